@@ -1,106 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/topology/block_factor.hpp"
 
-#include <algorithm>
 #include <cmath>
-
-#include <Eigen/Cholesky>
+#include <utility>
 
 namespace strata::topology {
 namespace {
 
-/// The blocks of A by rows.
-struct Rows {
-  std::vector<std::size_t> begin;
-  std::vector<std::size_t> blocks;
-
-  [[nodiscard]] std::span<const std::size_t> of(int row) const {
-    const auto r = static_cast<std::size_t>(row);
-    return std::span(blocks).subspan(begin[r], begin[r + 1] - begin[r]);
-  }
-};
-
-Rows sorted_by_row(int size, std::span<const Block> blocks) {
-  Rows rows{std::vector<std::size_t>(static_cast<std::size_t>(size) + 1, 0),
-            std::vector<std::size_t>(blocks.size())};
-  for (const Block& block : blocks) ++rows.begin[static_cast<std::size_t>(block.row) + 1];
-  for (std::size_t r = 1; r < rows.begin.size(); ++r) rows.begin[r] += rows.begin[r - 1];
-  std::vector<std::size_t> next = rows.begin;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    rows.blocks[next[static_cast<std::size_t>(blocks[b].row)]++] = b;
-  }
-  return rows;
-}
-
-/// Which columns of L each row has entries in, ascending: the row's blocks and all their ancestors
-/// in the elimination tree below the row.
-std::vector<std::vector<int>> fill_of_rows(int size, std::span<const Block> blocks,
-                                           const Rows& rows) {
-  std::vector<int> parent(static_cast<std::size_t>(size), -1);
-  std::vector<int> seen_by(static_cast<std::size_t>(size), -1);
-  std::vector<std::vector<int>> fill(static_cast<std::size_t>(size));
-  for (int row = 0; row < size; ++row) {
-    seen_by[static_cast<std::size_t>(row)] = row;
-    std::vector<int>& columns = fill[static_cast<std::size_t>(row)];
-    for (const std::size_t b : rows.of(row)) {
-      for (int column = blocks[b].column; seen_by[static_cast<std::size_t>(column)] != row;) {
-        seen_by[static_cast<std::size_t>(column)] = row;
-        columns.push_back(column);
-        int& up = parent[static_cast<std::size_t>(column)];
-        if (up < 0) up = row;
-        column = up;
-      }
-    }
-    std::sort(columns.begin(), columns.end());
-  }
-  return fill;
-}
-
-/// The inverse of the lower triangular factor of a block; false when it is not positive definite.
-bool invert_factor(const Eigen::Matrix3d& block, Eigen::Matrix3d& inverse) {
-  const Eigen::LLT<Eigen::Matrix3d> factor(block);
-  if (factor.info() != Eigen::Success) return false;
-  inverse = factor.matrixL().solve(Eigen::Matrix3d::Identity());
-  return inverse.allFinite();
+/// Replaces a block by the inverse of its lower triangular factor; false when it is not positive
+/// definite.
+bool invert_factor(PaddedBlock& padded) {
+  PaddedMap block = block_in(padded);
+  const double aa = std::sqrt(block(0, 0));
+  const double ba = block(1, 0) / aa;
+  const double ca = block(2, 0) / aa;
+  const double bb = std::sqrt(block(1, 1) - ba * ba);
+  const double cb = (block(2, 1) - ca * ba) / bb;
+  const double cc = std::sqrt(block(2, 2) - ca * ca - cb * cb);
+  // Roots of what is negative, and all that is not a number, fail these.
+  if (!(aa > 0.0 && bb > 0.0 && cc > 0.0)) return false;
+  const double a = 1.0 / aa;
+  const double b = 1.0 / bb;
+  const double c = 1.0 / cc;
+  const double below = -ba * a * b;
+  block << a, 0.0, 0.0, below, b, 0.0, -(ca * a + cb * below) * c, -cb * b * c, c;
+  return block.allFinite();
 }
 
 }  // namespace
 
-/// Row after row of L, each from the rows above it.
+BlockFactor::BlockFactor(BlockMatrix matrix)
+    : pattern_(std::move(matrix.pattern)),
+      blocks_(std::move(matrix.below)),
+      inverse_diagonal_(std::move(matrix.diagonal)) {}
+
+/// Column after column, in place: what each leaves of the ones behind it.
+std::unique_ptr<const BlockFactor> BlockFactor::of(BlockMatrix matrix) {
+  const ColumnStarts starts = matrix.pattern.starts();
+  for (std::size_t c = 0; c < matrix.diagonal.size(); ++c) {
+    if (!invert_factor(matrix.diagonal[c])) return nullptr;
+    eliminate_column(c, matrix.diagonal[c], starts, matrix.diagonal.data(), matrix.below.data());
+  }
+  return std::unique_ptr<const BlockFactor>(new BlockFactor(std::move(matrix)));
+}
+
 std::unique_ptr<const BlockFactor> BlockFactor::of(int size, std::span<const Block> blocks) {
-  const Rows rows = sorted_by_row(size, blocks);
-  const std::vector<std::vector<int>> fill = fill_of_rows(size, blocks, rows);
-  const auto count = static_cast<std::size_t>(size);
-  std::unique_ptr<BlockFactor> factor(new BlockFactor);
-  factor->begin_.assign(count + 1, 0);
-  for (const std::vector<int>& columns : fill) {
-    for (const int column : columns) ++factor->begin_[static_cast<std::size_t>(column) + 1];
+  std::vector<std::pair<int, int>> touching;
+  for (const Block& block : blocks) {
+    if (block.row > block.column) touching.emplace_back(block.row, block.column);
   }
-  for (std::size_t c = 1; c <= count; ++c) factor->begin_[c] += factor->begin_[c - 1];
-  factor->entries_.resize(factor->begin_.back());
-  factor->inverse_diagonal_.resize(count);
-  std::vector<std::size_t> end = factor->begin_;  // of what is known of each column
-  std::vector<PaddedBlock> left(count, PaddedBlock{});
-  for (std::size_t row = 0; row < count; ++row) {
-    for (const std::size_t b : rows.of(static_cast<int>(row))) {
-      block_in(left[static_cast<std::size_t>(blocks[b].column)]) += blocks[b].value;
-    }
-    for (const int fill_column : fill[row]) {
-      const auto column = static_cast<std::size_t>(fill_column);
-      PaddedBlock padded{};
-      block_in(padded).noalias() =
-          block_in(left[column]) * factor->inverse_diagonal_[column].transpose();
-      const Eigen::Matrix3d entry = block_in(padded);
-      left[column].fill(0.0);
-      const std::size_t begin = factor->begin_[column];
-      factor->entries_[end[column]++] = {static_cast<int>(row), entry};
-      subtract_products(padded, std::span(factor->entries_).subspan(begin, end[column] - begin),
-                        left.data());
-    }
-    if (!invert_factor(block_in(left[row]), factor->inverse_diagonal_[row])) return nullptr;
-    left[row].fill(0.0);
-  }
-  return factor;
+  BlockMatrix matrix(BlockPattern(size, touching));
+  for (const Block& block : blocks) matrix.add(block.row, block.column, block.value);
+  return of(std::move(matrix));
 }
 
 void BlockFactor::solve(Eigen::VectorXd& b) const {
@@ -109,17 +60,19 @@ void BlockFactor::solve(Eigen::VectorXd& b) const {
     x[i] = b.segment<3>(3 * static_cast<Eigen::Index>(i));
   }
   for (std::size_t c = 0; c < x.size(); ++c) {
-    x[c] = (inverse_diagonal_[c] * x[c]).eval();
-    for (const FactorEntry& entry : column(c)) {
-      x[static_cast<std::size_t>(entry.row)].noalias() -= entry.value * x[c];
+    x[c] = (block_in(inverse_diagonal_[c]) * x[c]).eval();
+    const PaddedBlock* block = blocks_.data() + pattern_.begin(c);
+    for (const int row : pattern_.rows(c)) {
+      x[static_cast<std::size_t>(row)].noalias() -= block_in(*block++) * x[c];
     }
   }
   for (std::size_t c = x.size(); c-- > 0;) {
     Eigen::Vector3d sum = x[c];
-    for (const FactorEntry& entry : column(c)) {
-      sum.noalias() -= entry.value.transpose() * x[static_cast<std::size_t>(entry.row)];
+    const PaddedBlock* block = blocks_.data() + pattern_.begin(c);
+    for (const int row : pattern_.rows(c)) {
+      sum.noalias() -= block_in(*block++).transpose() * x[static_cast<std::size_t>(row)];
     }
-    x[c].noalias() = inverse_diagonal_[c].transpose() * sum;
+    x[c].noalias() = block_in(inverse_diagonal_[c]).transpose() * sum;
   }
   for (std::size_t i = 0; i < x.size(); ++i) {
     b.segment<3>(3 * static_cast<Eigen::Index>(i)) = x[i];
@@ -133,8 +86,9 @@ std::vector<std::size_t> BlockFactor::ancestors_of(int row) const {
   std::vector<std::size_t> ancestors;
   for (auto c = static_cast<std::size_t>(row);;) {
     ancestors.push_back(c);
-    if (begin_[c] == begin_[c + 1]) return ancestors;
-    c = static_cast<std::size_t>(entries_[begin_[c]].row);
+    const std::span<const int> rows = pattern_.rows(c);
+    if (rows.empty()) return ancestors;
+    c = static_cast<std::size_t>(rows.front());
   }
 }
 
@@ -144,56 +98,65 @@ Eigen::MatrixX3d BlockFactor::inverse_of(int row) const {
   const auto at = [&](std::size_t c) { return block_in(x[c]); };
   at(static_cast<std::size_t>(row)).setIdentity();
   for (const std::size_t c : ancestors) {
-    at(c) = (inverse_diagonal_[c] * at(c)).eval();
-    for (const FactorEntry& entry : column(c)) {
-      at(static_cast<std::size_t>(entry.row)).noalias() -= entry.value * at(c);
+    at(c) = (block_in(inverse_diagonal_[c]) * at(c)).eval();
+    const PaddedBlock* block = blocks_.data() + pattern_.begin(c);
+    for (const int below : pattern_.rows(c)) {
+      at(static_cast<std::size_t>(below)).noalias() -= block_in(*block++) * at(c);
     }
   }
   for (const std::size_t c : ancestors) at(c).transposeInPlace();
   Eigen::MatrixX3d columns(3 * static_cast<Eigen::Index>(x.size()), 3);
   for (std::size_t c = x.size(); c-- > 0;) {
-    subtract_transposed(column(c), x.data(), x[c]);
+    subtract_transposed(pattern_.rows(c), blocks_.data() + pattern_.begin(c), x.data(), x[c]);
     const Eigen::Matrix3d sum = at(c).transpose();
-    const Eigen::Matrix3d solved = inverse_diagonal_[c].transpose() * sum;
+    const Eigen::Matrix3d solved = block_in(inverse_diagonal_[c]).transpose() * sum;
     at(c) = solved.transpose();
     columns.middleRows<3>(3 * static_cast<Eigen::Index>(c)) = solved;
   }
   return columns;
 }
 
-/// As inverse_of, of the ancestors alone.
-Eigen::Matrix3d BlockFactor::inverse_block(int row) const {
-  const std::vector<std::size_t> ancestors = ancestors_of(row);
-  std::vector<Eigen::Matrix3d> x(ancestors.size(), Eigen::Matrix3d::Zero());
-  x.front().setIdentity();
-  // Rows ascend in each column, as ancestors do: one way through both finds each entry's row.
-  const auto for_entries = [&](std::size_t i, const auto& use) {
+/// As inverse_of, of the ancestors alone: down those of the column, and back up those of the row.
+Eigen::Matrix3d BlockFactor::inverse_block(int row, int column) const {
+  // Rows ascend in each column, as ancestors do: one way through both finds each block's row.
+  const auto for_blocks = [&](const std::vector<std::size_t>& ancestors, std::size_t i,
+                              const auto& use) {
     std::size_t at = i + 1;
-    for (const FactorEntry& entry : column(ancestors[i])) {
-      while (ancestors[at] != static_cast<std::size_t>(entry.row)) ++at;
-      use(entry.value, x[at]);
+    const PaddedBlock* block = blocks_.data() + pattern_.begin(ancestors[i]);
+    for (const int below : pattern_.rows(ancestors[i])) {
+      while (ancestors[at] != static_cast<std::size_t>(below)) ++at;
+      use(block_in(*block++), at);
     }
   };
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    x[i] = (inverse_diagonal_[ancestors[i]] * x[i]).eval();
-    for_entries(i, [&](const Eigen::Matrix3d& entry, Eigen::Matrix3d& below) {
-      below.noalias() -= entry * x[i];
+  const std::vector<std::size_t> down = ancestors_of(column);
+  std::vector<Eigen::Matrix3d> y(down.size(), Eigen::Matrix3d::Zero());
+  y.front().setIdentity();
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    y[i] = (block_in(inverse_diagonal_[down[i]]) * y[i]).eval();
+    for_blocks(down, i, [&](const ConstPaddedMap& block, std::size_t below) {
+      y[below].noalias() -= block * y[i];
     });
+  }
+  const std::vector<std::size_t> up = row == column ? down : ancestors_of(row);
+  std::vector<Eigen::Matrix3d> x(up.size(), Eigen::Matrix3d::Zero());
+  // From where the two ways meet they are one.
+  for (std::size_t i = up.size(), k = down.size(); i > 0 && k > 0 && up[i - 1] == down[k - 1];) {
+    x[--i] = y[--k];
   }
   for (std::size_t i = x.size(); i-- > 0;) {
     Eigen::Matrix3d sum = x[i];
-    for_entries(i, [&](const Eigen::Matrix3d& entry, const Eigen::Matrix3d& below) {
-      sum.noalias() -= entry.transpose() * below;
+    for_blocks(up, i, [&](const ConstPaddedMap& block, std::size_t below) {
+      sum.noalias() -= block.transpose() * x[below];
     });
-    x[i].noalias() = inverse_diagonal_[ancestors[i]].transpose() * sum;
+    x[i].noalias() = block_in(inverse_diagonal_[up[i]]).transpose() * sum;
   }
   return x.front();
 }
 
 double BlockFactor::log_determinant() const {
   double log_determinant = 0.0;
-  for (const Eigen::Matrix3d& inverse : inverse_diagonal_) {
-    log_determinant -= 2.0 * inverse.diagonal().array().log().sum();
+  for (const PaddedBlock& inverse : inverse_diagonal_) {
+    log_determinant -= 2.0 * block_in(inverse).diagonal().array().log().sum();
   }
   return log_determinant;
 }

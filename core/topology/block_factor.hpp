@@ -12,44 +12,36 @@
 #include <Eigen/Core>
 
 #include "core/topology/block_kernel.hpp"
+#include "core/topology/block_pattern.hpp"
 
 namespace strata::topology {
-
-/// A block on or below the diagonal.
-struct Block {
-  int row = 0;
-  int column = 0;  ///< at most row
-  Eigen::Matrix3d value;
-};
 
 /// The lower triangular L with L L' = A [davis2006direct, section 4.7, by blocks]. Immutable.
 class BlockFactor {
  public:
-  /// The sum of the blocks is A: symmetric, of size x size blocks; in blocks on the diagonal only
-  /// the lower triangle is read. Null when A is not positive definite. O(fill^2 / size) about.
+  /// Null when A is not positive definite. O(fill^2 / size) about.
+  [[nodiscard]] static std::unique_ptr<const BlockFactor> of(BlockMatrix matrix);
+  /// The sum of the blocks is A: symmetric, of size x size blocks.
   [[nodiscard]] static std::unique_ptr<const BlockFactor> of(int size,
                                                              std::span<const Block> blocks);
 
-  [[nodiscard]] int size() const { return static_cast<int>(inverse_diagonal_.size()); }
+  [[nodiscard]] int size() const { return pattern_.size(); }
   /// A^-1 b, in place; b: 3 size() rows. O(fill).
   void solve(Eigen::VectorXd& b) const;
   /// The three columns of A^-1 that belong to `row`: 3 size() x 3. O(fill).
   [[nodiscard]] Eigen::MatrixX3d inverse_of(int row) const;
   /// The block of A^-1 in that row and column. O(fill of the rows that it depends on), a few of a
   /// large matrix.
-  [[nodiscard]] Eigen::Matrix3d inverse_block(int row) const;
+  [[nodiscard]] Eigen::Matrix3d inverse_block(int row, int column) const;
   /// ln of the determinant of A.
   [[nodiscard]] double log_determinant() const;
 
  private:
-  BlockFactor() = default;
-  [[nodiscard]] std::span<const FactorEntry> column(std::size_t c) const {
-    return std::span(entries_).subspan(begin_[c], begin_[c + 1] - begin_[c]);
-  }
+  explicit BlockFactor(BlockMatrix matrix);
   [[nodiscard]] std::vector<std::size_t> ancestors_of(int row) const;
-  std::vector<std::size_t> begin_;                 // of each column's entries below the diagonal
-  std::vector<FactorEntry> entries_;               // rows ascending within a column
-  std::vector<Eigen::Matrix3d> inverse_diagonal_;  // of L's blocks, lower triangular
+  BlockPattern pattern_;
+  std::vector<PaddedBlock> blocks_;            // below the diagonal, of each column
+  std::vector<PaddedBlock> inverse_diagonal_;  // of L's blocks, lower triangular
 };
 
 }  // namespace strata::topology

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Products of 3 x 3 blocks, many with one: the same bits on every SIMD target, and those of Eigen
-/// with two lanes, which sums the products of a third row in another order.
+/// Products of 3 x 3 blocks, many with one: the same bits on every SIMD target.
 #pragma once
 
 #include <array>
@@ -23,19 +22,21 @@ using ConstPaddedMap = Eigen::Map<const Eigen::Matrix3d, Eigen::Unaligned, Eigen
   return ConstPaddedMap(padded.data(), Eigen::OuterStride<4>());
 }
 
-/// A block of a column of a sparse factor.
-struct FactorEntry {
-  int row = 0;
-  Eigen::Matrix3d value;
+/// Of a matrix by columns: where the blocks of each column begin, and the row of every block.
+struct ColumnStarts {
+  const std::size_t* begin = nullptr;
+  const int* rows = nullptr;
 };
 
-/// left[e.row] -= block * e.value' for every entry.
-void subtract_products(const PaddedBlock& block, std::span<const FactorEntry> entries,
-                       PaddedBlock* left);
+/// One step of a Cholesky factor by columns: the blocks of `column` times inverse', and then from
+/// every two of them, at rows i >= k, left(i, k) -= block_i * block_k'. inverse: lower triangular.
+/// diagonal, below: of the whole matrix. Requires every row pair of the column in the matrix.
+void eliminate_column(std::size_t column, const PaddedBlock& inverse, const ColumnStarts& starts,
+                      PaddedBlock* diagonal, PaddedBlock* below);
 
-/// sum' -= the sum of e.value' * x[e.row]' over the entries, one after the other: blocks are held
-/// transposed.
-void subtract_transposed(std::span<const FactorEntry> entries, const PaddedBlock* x,
+/// sum' -= the sum of block' * x[row]' over the blocks, one after the other: x and sum are held
+/// transposed. rows: one a block.
+void subtract_transposed(std::span<const int> rows, const PaddedBlock* blocks, const PaddedBlock* x,
                          PaddedBlock& sum);
 
 }  // namespace strata::topology

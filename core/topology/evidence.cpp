@@ -18,8 +18,9 @@ const double kLog2Pi = std::log(2.0 * std::numbers::pi);
 
 std::optional<detail::Optimum> optimum_of(const detail::Terms& terms,
                                           const LocationPriorConfig& config,
-                                          const std::vector<Pose2>& start) {
-  if (auto optimum = detail::descend(terms, config, start)) return optimum;
+                                          const std::vector<Pose2>& start,
+                                          const LocationGaussian* before) {
+  if (auto optimum = detail::descend(terms, config, start, before)) return optimum;
   detail::Optimum far{start, 0.0, nullptr};
   if (!detail::optimize(terms, config, far.poses, far.cost)) return std::nullopt;
   far.gaussian = detail::gaussian_at(terms, config, far.poses);
@@ -36,7 +37,7 @@ OdometryFactor::OdometryFactor(const Pose2Gaussian& way)
 
 Evidence evaluate(const Labels& labels, const Measurements& measurements,
                   std::span<const ScanFactor> scans, const std::vector<Pose2>& start,
-                  const LocationPriorConfig& config) {
+                  const LocationPriorConfig& config, const LocationGaussian* before) {
   Evidence evidence;
   evidence.poses = start;
   if (labels.size() < 2) {
@@ -45,7 +46,7 @@ Evidence evaluate(const Labels& labels, const Measurements& measurements,
     return evidence;
   }
   const detail::Terms terms = detail::collect(labels, measurements, scans, config);
-  std::optional<detail::Optimum> optimum = optimum_of(terms, config, start);
+  std::optional<detail::Optimum> optimum = optimum_of(terms, config, start, before);
   if (!optimum) return evidence;
   evidence.converged = true;
   evidence.poses = std::move(optimum->poses);

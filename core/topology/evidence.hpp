@@ -61,10 +61,12 @@ struct Evidence {
 /// start: a first guess of the poses. labels: canonical, one a visit. Where the curvature of the
 /// penalties makes the Hessian indefinite it is left out (an error of at most 0.6 nats for position
 /// uncertainties below 2 m). Newton's method from the start, and Ceres where that does not
-/// converge. O(n^1.5 x iterations) about.
+/// converge. before: of a topology of one visit less, null for none: the order in which its poses
+/// are eliminated is taken over, which changes nothing but rounding. O(n^1.5 x iterations) about.
 [[nodiscard]] Evidence evaluate(const Labels& labels, const Measurements& measurements,
                                 std::span<const ScanFactor> scans, const std::vector<Pose2>& start,
-                                const LocationPriorConfig& config);
+                                const LocationPriorConfig& config,
+                                const LocationGaussian* before = nullptr);
 
 /// The covariance of one visit's pose, symmetric. As LocationGaussian::covariance_of.
 [[nodiscard]] Eigen::Matrix3d marginal_covariance(const LocationGaussian& gaussian,

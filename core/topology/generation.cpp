@@ -23,11 +23,12 @@ constexpr std::size_t kMaxRevisions = 12;
 /// Topologies that are revised, the heaviest.
 constexpr std::size_t kRevisedParticles = 4;
 
-/// Optimizes a topology from its poses; false when that does not converge.
+/// Optimizes a topology from its poses; false when that does not converge. before: as `evaluate`.
 bool evaluate_from(const std::vector<Pose2>& start, const VisitLog& log,
-                   const TopologyConfig& config, Hypothesis& hypothesis) {
+                   const TopologyConfig& config, const LocationGaussian* before,
+                   Hypothesis& hypothesis) {
   Evidence evidence = evaluate(hypothesis.labels, log.measurements(log.size()), hypothesis.scans,
-                               start, config.location);
+                               start, config.location, before);
   hypothesis.log_evidence = evidence.log_evidence;
   hypothesis.poses = std::move(evidence.poses);
   hypothesis.gaussian = std::move(evidence.gaussian);
@@ -109,7 +110,7 @@ Generation evaluate_candidates(std::span<const Candidate> candidates, const Pare
     Hypothesis& next = particle.hypothesis;
     next.labels.push_back(candidate.label);
     if (candidate.evidence.scan) next.scans.push_back(*candidate.evidence.scan);
-    if (!evaluate_from(candidate.evidence.poses, log, config, next)) return;
+    if (!evaluate_from(candidate.evidence.poses, log, config, parent.gaussian.get(), next)) return;
     const std::size_t newest = log.size() - 1;
     particle.newest_covariances.push_back(next.gaussian->covariance_of(newest));
     evaluated[i] = std::move(particle);
@@ -141,7 +142,7 @@ void add_revisions(Generation& generation, VisitLog& log, const TopologyConfig& 
     Particle particle{{revised[i].labels, 0.0, 0.0, {}, {}, nullptr}, from.newest_covariances};
     particle.hypothesis.scans = revised_scans(from, revised[i].labels, log, config);
     Hypothesis& next = particle.hypothesis;
-    if (!evaluate_from(from.hypothesis.poses, log, config, next)) return;
+    if (!evaluate_from(from.hypothesis.poses, log, config, nullptr, next)) return;
     log_weights[i] = generation.log_weights[revised[i].parent] + next.log_evidence -
                      from.hypothesis.log_evidence +
                      log_partition_prior(next.labels, config.concentration) -

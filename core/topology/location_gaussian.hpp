@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -29,7 +30,17 @@ class LocationGaussian {
   [[nodiscard]] Eigen::MatrixX3d covariance_with(std::size_t visit) const;
   /// Covariance of one visit's pose: that block of covariance_with(visit). O(fill of the rows that
   /// it depends on).
-  [[nodiscard]] Eigen::Matrix3d covariance_of(std::size_t visit) const;
+  [[nodiscard]] Eigen::Matrix3d covariance_of(std::size_t visit) const {
+    return covariance_between(visit, visit);
+  }
+  /// Covariance of the pose of `visit` with that of `other`: as covariance_of.
+  [[nodiscard]] Eigen::Matrix3d covariance_between(std::size_t visit, std::size_t other) const;
+  /// What forces on some poses, (visit, force), move each pose by: the covariance times them, 3
+  /// rows a visit. O(fill of the factor).
+  [[nodiscard]] Eigen::VectorXd moved_by(
+      std::span<const std::pair<std::size_t, Eigen::Vector3d>> forces) const;
+  /// Of each visit in the factor, to be taken over by the next one; empty for one visit.
+  [[nodiscard]] const std::vector<int>& rows() const { return rows_; }
   /// ln of the determinant of the information.
   [[nodiscard]] double log_determinant() const;
 

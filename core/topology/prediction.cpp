@@ -28,27 +28,24 @@ Prediction::Prediction(std::span<const Pose2> poses, const LocationGaussian& gau
   const Pose2Gaussian newest = last * odometry;
   newest_ = newest.mean;
   const Eigen::Vector2d lever = newest_.translation() - poses.back().translation();
-  Eigen::Matrix3d by_last = Eigen::Matrix3d::Identity();
-  by_last(0, 2) = -lever.y();
-  by_last(1, 2) = lever.x();
+  by_last_.setIdentity();
+  by_last_(0, 2) = -lever.y();
+  by_last_(1, 2) = lever.x();
   const auto rows = 3 * static_cast<Eigen::Index>(poses.size());
   with_newest_.resize(rows + 3, 3);
-  with_newest_.topRows(rows) = with_last * by_last.transpose();
+  with_newest_.topRows(rows) = with_last * by_last_.transpose();
   with_newest_.bottomRows<3>() = newest.covariance;
 }
 
-const Eigen::MatrixX3d& Prediction::with(std::size_t visit) {
-  const auto found = with_.find(visit);
-  if (found != with_.end()) return found->second;
-  const auto rows = 3 * static_cast<Eigen::Index>(poses_.size());
-  Eigen::MatrixX3d all(rows + 3, 3);
-  all.topRows(rows) = gaussian_.covariance_with(visit);
-  all.bottomRows<3>() = block_of(with_newest_, visit).transpose();
-  return with_.emplace(visit, std::move(all)).first->second;
+const Eigen::Matrix3d& Prediction::covariance_between(std::size_t visit, std::size_t other) {
+  const auto found = between_.find({visit, other});
+  if (found != between_.end()) return found->second;
+  return between_.emplace(std::pair(visit, other), gaussian_.covariance_between(visit, other))
+      .first->second;
 }
 
 Eigen::Matrix2d Prediction::covariance_apart(std::size_t visit) {
-  return covariance_apart(visit, block_of(with(visit), visit));
+  return covariance_apart(visit, covariance_between(visit, visit));
 }
 
 Eigen::Matrix2d Prediction::covariance_apart(std::size_t visit,
@@ -82,24 +79,26 @@ LinearizedFactor Prediction::registration_factor(std::size_t visit, const PlaceM
 /// |I + WQ|^-1/2 exp(-h'(I + WQ)^-1 W h / 2), h the expected errors; W may be singular.
 Prediction::Conditioned Prediction::conditioned_on(std::span<const LinearizedFactor> factors) {
   const auto size = 3 * static_cast<Eigen::Index>(factors.size());
-  const auto rows = with_newest_.rows();
-  Eigen::MatrixXd with_errors(rows, size);  // covariance of all poses with the errors
-  for (std::size_t k = 0; k < factors.size(); ++k) {
-    with_errors.middleCols<3>(3 * static_cast<Eigen::Index>(k)).noalias() =
-        with(factors[k].visit) * factors[k].by_visit.transpose() +
-        with_newest_ * factors[k].by_newest.transpose();
-  }
+  const Eigen::Matrix3d newest = with_newest_.bottomRows<3>();
   Stack covariance(size, size);
   Stack information = Stack::Zero(size, size);
+  Stack with_newest(3, size);  // covariance of the newest pose with the errors
   StackVector error(size);
   for (std::size_t k = 0; k < factors.size(); ++k) {
     const auto row = 3 * static_cast<Eigen::Index>(k);
-    covariance.middleRows<3>(row) =
-        factors[k].by_visit *
-            with_errors.middleRows<3>(3 * static_cast<Eigen::Index>(factors[k].visit)) +
-        factors[k].by_newest * with_errors.bottomRows<3>();
-    information.block<3, 3>(row, row) = factors[k].information;
-    error.segment<3>(row) = factors[k].error;
+    const LinearizedFactor& factor = factors[k];
+    with_newest.middleCols<3>(row) =
+        block_of(with_newest_, factor.visit).transpose() * factor.by_visit.transpose() +
+        newest * factor.by_newest.transpose();
+    for (std::size_t l = 0; l < factors.size(); ++l) {
+      const Eigen::Matrix3d with_error =
+          covariance_between(factors[l].visit, factor.visit) * factor.by_visit.transpose() +
+          block_of(with_newest_, factors[l].visit) * factor.by_newest.transpose();
+      covariance.block<3, 3>(3 * static_cast<Eigen::Index>(l), row) =
+          factors[l].by_visit * with_error + factors[l].by_newest * with_newest.middleCols<3>(row);
+    }
+    information.block<3, 3>(row, row) = factor.information;
+    error.segment<3>(row) = factor.error;
   }
   const Stack both = Stack::Identity(size, size) + information * covariance;
   const Eigen::PartialPivLU<Stack> solver(both);
@@ -107,14 +106,25 @@ Prediction::Conditioned Prediction::conditioned_on(std::span<const LinearizedFac
   const StackVector force = solver.solve(weighted_error);
   Conditioned conditioned;
   conditioned.log_factor = -0.5 * error.dot(force) - 0.5 * std::log(std::abs(solver.determinant()));
-  const Eigen::VectorXd shift = -(with_errors * force);
-  conditioned.poses.assign(poses_.begin(), poses_.end());
-  conditioned.poses.push_back(newest_);
-  for (std::size_t i = 0; i < conditioned.poses.size(); ++i) {
-    Pose2& pose = conditioned.poses[i];
-    const Eigen::Vector3d by = shift.segment<3>(3 * static_cast<Eigen::Index>(i));
-    pose = {pose.x + by.x(), pose.y + by.y(), wrap_angle(pose.theta + by.z())};
+  std::vector<std::pair<std::size_t, Eigen::Vector3d>> forces;
+  Eigen::Vector3d on_newest = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    const Eigen::Vector3d of_factor = force.segment<3>(3 * static_cast<Eigen::Index>(k));
+    forces.emplace_back(factors[k].visit, -factors[k].by_visit.transpose() * of_factor);
+    on_newest -= factors[k].by_newest.transpose() * of_factor;
   }
+  forces.emplace_back(poses_.size() - 1, by_last_.transpose() * on_newest);
+  const Eigen::VectorXd shift = gaussian_.moved_by(forces);
+  const Eigen::Vector3d shift_of_newest = -(with_newest * force);
+  const auto shifted = [](const Pose2& pose, const Eigen::Vector3d& by) {
+    return Pose2{pose.x + by.x(), pose.y + by.y(), wrap_angle(pose.theta + by.z())};
+  };
+  conditioned.poses.reserve(poses_.size() + 1);
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    conditioned.poses.push_back(
+        shifted(poses_[i], shift.segment<3>(3 * static_cast<Eigen::Index>(i))));
+  }
+  conditioned.poses.push_back(shifted(newest_, shift_of_newest));
   return conditioned;
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,7 +33,8 @@ class Prediction {
              const OdometryFactor& odometry);
 
   [[nodiscard]] const Pose2& newest() const { return newest_; }
-  /// Of the newest position less that of `visit`, in the map frame. O(fill) the first time.
+  /// Of the newest position less that of `visit`, in the map frame. As
+  /// LocationGaussian::covariance_of the first time.
   [[nodiscard]] Eigen::Matrix2d covariance_apart(std::size_t visit);
   /// The same with `bound`, an upper bound of the covariance of `visit`. O(1).
   [[nodiscard]] Eigen::Matrix2d covariance_apart(std::size_t visit,
@@ -54,12 +56,13 @@ class Prediction {
   [[nodiscard]] Conditioned conditioned_on(std::span<const LinearizedFactor> factors);
 
  private:
-  [[nodiscard]] const Eigen::MatrixX3d& with(std::size_t visit);
+  [[nodiscard]] const Eigen::Matrix3d& covariance_between(std::size_t visit, std::size_t other);
   std::span<const Pose2> poses_;
   const LocationGaussian& gaussian_;
   Pose2 newest_;
   Eigen::MatrixX3d with_newest_;  // covariance of each of n + 1 poses with the newest
-  std::map<std::size_t, Eigen::MatrixX3d> with_;  // of each of n + 1 poses with that of the key
+  Eigen::Matrix3d by_last_;       // of the newest pose by the one before
+  std::map<std::pair<std::size_t, std::size_t>, Eigen::Matrix3d> between_;  // of older poses
 };
 
 }  // namespace strata::topology

@@ -18,9 +18,11 @@ struct Optimum {
   std::shared_ptr<const LocationGaussian> gaussian;
 };
 
-/// Nothing when the cost does not converge within a few steps, or nothing is curved there.
+/// Nothing when the cost does not converge within a few steps, or nothing is curved there. before:
+/// of a topology of one visit less, whose order of rows is taken over; or null.
 [[nodiscard]] std::optional<Optimum> descend(const Terms& terms, const LocationPriorConfig& config,
-                                             std::vector<Pose2> start);
+                                             std::vector<Pose2> start,
+                                             const LocationGaussian* before = nullptr);
 
 /// The Gaussian at `poses`: with the curvature of the penalties, or without it where that makes the
 /// information indefinite. Null when it is singular.

@@ -75,9 +75,12 @@ TEST(BlockFactor, OneBlockOfTheInverseIsTheSameBitsAlone) {
   for (const int loops : {0, 3, 40}) {
     const auto factor = BlockFactor::of(40, chain_with_loops(40, loops, 5));
     ASSERT_NE(factor, nullptr);
-    for (int row = 0; row < 40; ++row) {
-      const Eigen::Matrix3d block = factor->inverse_of(row).block<3, 3>(3 * row, 0);
-      EXPECT_EQ(factor->inverse_block(row), block) << row;
+    for (int column = 0; column < 40; ++column) {
+      const Eigen::MatrixX3d columns = factor->inverse_of(column);
+      for (int row = 0; row < 40; ++row) {
+        const Eigen::Matrix3d block = columns.block<3, 3>(3 * row, 0);
+        EXPECT_EQ(factor->inverse_block(row, column), block) << row << ' ' << column;
+      }
     }
   }
 }

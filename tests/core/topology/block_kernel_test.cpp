@@ -12,66 +12,85 @@
 namespace strata::topology {
 namespace {
 
-struct Column {
-  std::vector<FactorEntry> entries;  // some rows of eight
-  std::vector<PaddedBlock> rows;
-};
-
-Column random_column(RandomStream& random) {
-  Column column;
-  for (const int row : {1, 2, 5, 7}) column.entries.push_back({row, test::random_block(random)});
-  column.rows.resize(8, PaddedBlock{});
-  for (PaddedBlock& row : column.rows) block_in(row) = test::random_block(random);
-  return column;
+PaddedBlock padded(const Eigen::Matrix3d& block) {
+  PaddedBlock result{};
+  block_in(result) = block;
+  return result;
 }
 
-TEST(BlockKernel, SubtractsProductsWithTheSameBitsOnEveryTarget) {
+std::vector<PaddedBlock> random_blocks(RandomStream& random, std::size_t count) {
+  std::vector<PaddedBlock> blocks;
+  for (std::size_t i = 0; i < count; ++i) blocks.push_back(padded(test::random_block(random)));
+  return blocks;
+}
+
+/// a b', each sum from left to right.
+Eigen::Matrix3d product(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  Eigen::Matrix3d result;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      result(i, j) = (a(i, 0) * b(j, 0) + a(i, 1) * b(j, 1)) + a(i, 2) * b(j, 2);
+    }
+  }
+  return result;
+}
+
+/// Rows 1, 2 and 4 of column 0; what they fill in in columns 1 and 2, and a row 3 beside it.
+TEST(BlockKernel, EliminatesAColumnWithTheSameBitsOnEveryTarget) {
+  const std::vector<std::size_t> begin{0, 3, 6, 7, 7, 7};
+  const std::vector<int> rows{1, 2, 4, 2, 3, 4, 4};
   RandomStream random(1, StreamId::kTest, 81);
   for (int n = 0; n < 50; ++n) {
-    const Column column = random_column(random);
-    PaddedBlock block{};
-    block_in(block) = test::random_block(random);
-    std::vector<Eigen::Matrix3d> expected;
-    for (const PaddedBlock& row : column.rows) expected.emplace_back(block_in(row));
-    for (const FactorEntry& entry : column.entries) {
-      Eigen::Matrix3d& to = expected[static_cast<std::size_t>(entry.row)];
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-          const double x = block_in(block)(i, 0) * entry.value(j, 0);
-          const double y = block_in(block)(i, 1) * entry.value(j, 1);
-          const double z = block_in(block)(i, 2) * entry.value(j, 2);
-          to(i, j) -= i < 2 ? (x + y) + z : x + (y + z);
-        }
-      }
+    const std::vector<PaddedBlock> diagonal = random_blocks(random, 5);
+    const std::vector<PaddedBlock> below = random_blocks(random, rows.size());
+    Eigen::Matrix3d inverse = test::random_block(random);
+    inverse.triangularView<Eigen::StrictlyUpper>().setZero();
+    std::vector<PaddedBlock> expected_diagonal = diagonal;
+    std::vector<PaddedBlock> expected = below;
+    for (const std::size_t i : {0, 1, 2}) {
+      block_in(expected[i]) = product(block_in(below[i]), inverse);
+      const auto row = static_cast<std::size_t>(rows[i]);
+      block_in(expected_diagonal[row]) -= product(block_in(expected[i]), block_in(expected[i]));
     }
+    block_in(expected[3]) -= product(block_in(expected[1]), block_in(expected[0]));
+    block_in(expected[5]) -= product(block_in(expected[2]), block_in(expected[0]));
+    block_in(expected[6]) -= product(block_in(expected[2]), block_in(expected[1]));
     test::for_every_target([&] {
-      std::vector<PaddedBlock> left = column.rows;
-      subtract_products(block, column.entries, left.data());
-      for (std::size_t row = 0; row < left.size(); ++row) {
-        EXPECT_EQ(Eigen::Matrix3d(block_in(left[row])), expected[row]) << row;
+      std::vector<PaddedBlock> own_diagonal = diagonal;
+      std::vector<PaddedBlock> own = below;
+      eliminate_column(0, padded(inverse), {begin.data(), rows.data()}, own_diagonal.data(),
+                       own.data());
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        EXPECT_EQ(Eigen::Matrix3d(block_in(own[i])), Eigen::Matrix3d(block_in(expected[i]))) << i;
+      }
+      for (std::size_t i = 0; i < own_diagonal.size(); ++i) {
+        EXPECT_EQ(Eigen::Matrix3d(block_in(own_diagonal[i])),
+                  Eigen::Matrix3d(block_in(expected_diagonal[i])))
+            << i;
       }
     });
   }
 }
 
 TEST(BlockKernel, SubtractsTransposedProductsWithTheSameBitsOnEveryTarget) {
+  const std::vector<int> rows{1, 2, 5, 7};
   RandomStream random(2, StreamId::kTest, 81);
   for (int n = 0; n < 50; ++n) {
-    const Column column = random_column(random);
-    Eigen::Matrix3d expected = block_in(column.rows[0]).transpose();
-    for (const FactorEntry& entry : column.entries) {
-      const Eigen::Matrix3d x =
-          block_in(column.rows[static_cast<std::size_t>(entry.row)]).transpose();
+    const std::vector<PaddedBlock> blocks = random_blocks(random, rows.size());
+    const std::vector<PaddedBlock> all_x = random_blocks(random, 8);
+    Eigen::Matrix3d expected = block_in(all_x[0]).transpose();
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const Eigen::Matrix3d x = block_in(all_x[static_cast<std::size_t>(rows[k])]).transpose();
+      const Eigen::Matrix3d block = block_in(blocks[k]);
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-          expected(i, j) -= (entry.value(0, i) * x(0, j) + entry.value(1, i) * x(1, j)) +
-                            entry.value(2, i) * x(2, j);
+          expected(i, j) -= (block(0, i) * x(0, j) + block(1, i) * x(1, j)) + block(2, i) * x(2, j);
         }
       }
     }
     test::for_every_target([&] {
-      PaddedBlock sum = column.rows[0];
-      subtract_transposed(column.entries, column.rows.data(), sum);
+      PaddedBlock sum = all_x[0];
+      subtract_transposed(rows, blocks.data(), all_x.data(), sum);
       EXPECT_EQ(Eigen::Matrix3d(block_in(sum).transpose()), expected);
     });
   }

@@ -152,5 +152,39 @@ TEST(Evidence, GivesCovariancesThatGrowAlongTheWayAndShrinkWhenALoopCloses) {
   EXPECT_LT(spread(after[3]), spread(before[3]));
 }
 
+/// Rounds of nine visits, four of them known; the order is taken over from the visit before, or
+/// looked for again.
+TEST(Evidence, IsTheSameInTheOrderOfRowsOfTheVisitBefore) {
+  std::vector<Pose2> steps;
+  Labels labels{0};
+  for (int i = 1; i < 60; ++i) {
+    steps.push_back({6.0 + 0.1 * (i % 4), 0.05 * (i % 3), 0.7 + 0.002 * (i % 5)});
+    labels.push_back(i % 9 < 4 && i > 9 ? labels[static_cast<std::size_t>(i) - 9] : 1000 + i);
+  }
+  labels = canonical(labels);
+  const Chain chain(steps);
+  const LocationPriorConfig config = without_penalty();
+  Evidence before;
+  std::vector<Pose2> start{Pose2{}};
+  std::size_t other_rows = 0;
+  for (std::size_t n = 2; n <= labels.size(); ++n) {
+    const Labels first(labels.begin(), labels.begin() + static_cast<std::ptrdiff_t>(n));
+    const Measurements measured{std::span(chain.odometry).first(n - 1),
+                                std::span(chain.densities).first(n)};
+    start.push_back(start.back() * steps[n - 2]);
+    const Evidence alone = evaluate(first, measured, {}, start, config);
+    Evidence after = evaluate(first, measured, {}, start, config, before.gaussian.get());
+    ASSERT_TRUE(alone.converged && after.converged) << n;
+    EXPECT_NEAR(after.log_evidence, alone.log_evidence, 1e-7) << n;
+    for (std::size_t i = 0; i < n; ++i) {
+      EXPECT_LT(translation_distance(after.poses[i], alone.poses[i]), 1e-8) << n;
+    }
+    other_rows += after.gaussian->rows() != alone.gaussian->rows() ? 1 : 0;
+    start = after.poses;
+    before = std::move(after);
+  }
+  EXPECT_GT(other_rows, 20U);
+}
+
 }  // namespace
 }  // namespace strata::topology

@@ -132,6 +132,13 @@ TEST(LocationGaussian, GivesTheInverseOfItsInformation) {
         evidence.gaussian->covariance_with(i);
   }
   EXPECT_TRUE(covariance.isApprox(covariance.transpose(), 1e-9));
+  const std::vector<std::pair<std::size_t, Eigen::Vector3d>> forces{
+      {0, {9.0, 9.0, 9.0}}, {2, {1.0, -2.0, 0.5}}, {6, {0.3, 0.0, 4.0}}, {2, {0.0, 0.1, 0.0}}};
+  Eigen::VectorXd expected = Eigen::VectorXd::Zero(21);
+  for (const auto& [visit, force] : forces) {
+    expected += covariance.middleCols<3>(3 * static_cast<Eigen::Index>(visit)) * force;
+  }
+  EXPECT_TRUE(evidence.gaussian->moved_by(forces).isApprox(expected, 1e-9));
   const Eigen::MatrixXd free = covariance.bottomRightCorner(18, 18);
   EXPECT_NEAR(-std::log(free.determinant()), evidence.gaussian->log_determinant(), 1e-6);
   EXPECT_TRUE(covariance.topRows<3>().isZero());
