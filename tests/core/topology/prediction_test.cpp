@@ -7,37 +7,10 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "core/topology/detail/descent.hpp"
-#include "core/topology/detail/terms.hpp"
-#include "tests/core/topology/junction_world.hpp"
+#include "tests/core/topology/reckoning.hpp"
 
 namespace strata::topology {
 namespace {
-
-/// Visits of a drive known by odometry: factors and dead reckoning.
-struct Reckoning {
-  std::vector<OdometryFactor> odometry;
-  std::vector<double> densities;
-  std::vector<Pose2> poses;
-  explicit Reckoning(const test_world::Drive& drive) {
-    for (std::size_t i = 0; i < drive.visits.size(); ++i) {
-      densities.push_back(-9.0);
-      poses.push_back(drive.visits[i].odom_from_robot);
-      if (i == 0) continue;
-      odometry.push_back(odometry_step(between(poses[i - 1], poses[i]),
-                                       drive.visits[i].path_length_m, kLandmarkOdometryNoise));
-    }
-  }
-  [[nodiscard]] Measurements first(std::size_t visits) const {
-    return {std::span(odometry).first(visits - 1), std::span(densities).first(visits)};
-  }
-};
-
-Reckoning small_square(std::uint64_t seed) {
-  const std::vector<test_world::Junction> corners{
-      {0.0, 0.0, 15}, {12.0, 0.0, 15}, {12.0, 12.0, 15}, {0.0, 12.0, 15}};
-  return Reckoning(test_world::drive(corners, {0, 1, 2, 3, 0, 1, 2}, kLandmarkOdometryNoise, seed));
-}
 
 PlaceMatch some_match(const Pose2& a_from_b) {
   PlaceMatch match;
@@ -51,7 +24,7 @@ TEST(Prediction, OfARevisitIsWithinANatOfTheOptimizedEvidence) {
   LocationPriorConfig config;
   config.max_penalty = 0.0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Reckoning way = small_square(seed);
+    const test_world::Reckoning way = test_world::small_square(seed);
     const Labels before{0, 1, 2, 3};
     const Evidence four =
         evaluate(before, way.first(4), {}, {way.poses.begin(), way.poses.begin() + 4}, config);
@@ -97,32 +70,8 @@ TEST(Prediction, IsExactWhereEverythingIsLinear) {
   EXPECT_TRUE(prediction.covariance_apart(0).isApprox(odometry.covariance.topLeftCorner<2, 2>()));
 }
 
-// Newton's method goes a different way than Ceres, but to the same place.
-TEST(Descent, ComesToRestWhereCeresDoes) {
-  const LocationPriorConfig config;
-  int compared = 0;
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Reckoning way = small_square(seed);
-    for (const Labels& labels :
-         {Labels{0, 1, 2, 3, 0, 1, 2}, Labels{0, 1, 2, 3, 4, 5, 6}, Labels{0, 1, 0, 2, 1, 0, 2}}) {
-      const detail::Terms terms = detail::collect(labels, way.first(7), {}, config);
-      std::vector<Pose2> slow = way.poses;
-      double cost = 0.0;
-      const bool found = detail::optimize(terms, config, slow, cost);
-      const auto quick = detail::descend(terms, config, way.poses);
-      if (!quick || !found) continue;
-      ++compared;
-      EXPECT_NEAR(detail::cost_at(terms, slow, config), cost, 1e-9);
-      EXPECT_NEAR(detail::cost_at(terms, quick->poses, config), quick->cost, 1e-4);
-      EXPECT_LT(quick->cost, cost + 1e-3) << "seed " << seed;
-      EXPECT_EQ(quick->gaussian->visits(), 7U);
-    }
-  }
-  EXPECT_GT(compared, 50);
-}
-
 TEST(LocationGaussian, GivesTheInverseOfItsInformation) {
-  const Reckoning way = small_square(3);
+  const test_world::Reckoning way = test_world::small_square(3);
   const LocationPriorConfig config;
   const Evidence evidence = evaluate({0, 1, 2, 3, 0, 1, 2}, way.first(7), {}, way.poses, config);
   ASSERT_TRUE(evidence.converged);
