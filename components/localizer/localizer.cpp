@@ -228,6 +228,8 @@ void Localizer::on_diagnose(runtime::Health& health) const {
   if (health_) {
     describe(*health_, health);
     health.add("update times", update_times_.text());
+    health.add("relocations", relocations_);
+    if (relocations_ > 0) health.add("last relocation [m]", last_relocation_m_);
     const std::chrono::duration<double> silent = std::chrono::steady_clock::now() - scanned_at_;
     if (!lockstep() && silent > kScanPatience) health.fail(kNoScans);
   } else {

@@ -157,6 +157,8 @@ class Localizer final : public runtime::SensorComponent {
   std::optional<HealthReport> health_;                // as of the last scan
   std::chrono::steady_clock::time_point scanned_at_;  ///< that scan came
   runtime::TimeHistogram update_times_;
+  std::uint64_t relocations_ = 0;  // LocalizationResult::relocated_m
+  double last_relocation_m_ = 0.0;
   std::uint64_t maps_taken_ = 0;     ///< that it began to localize in
   std::optional<Journal> journal_;   ///< live only
   maps::LocalizationRecord record_;  // lockstep only: live it would grow without end

@@ -195,6 +195,10 @@ void Localizer::publish_change_mask(Stamp stamp, const ReflectionGrid& occupied,
 void Localizer::publish_health(Stamp stamp, const localization::LocalizationResult& result,
                                std::chrono::duration<double> update_time) {
   update_times_.add(update_time.count());
+  if (result.relocated_m) {
+    ++relocations_;
+    last_relocation_m_ = *result.relocated_m;
+  }
   health_ = make_health_report(config_.model, result, update_time);
   publish_health_(to_message(*health_, stamp, config_.map_frame));
   std_msgs::msg::Float64 score;

@@ -15,6 +15,9 @@ namespace {
 
 using nlohmann::json;
 
+/// Of a score.
+constexpr double kLikelierRight = 0.5;
+
 void write_states(const std::filesystem::path& path, const std::vector<StateRow>& rows) {
   log::WholeFile file(path);
   std::ofstream& out = file.stream();
@@ -38,6 +41,17 @@ json health_shares(const std::vector<localization::HealthState>& health) {
   return shares;
 }
 
+json relocations_json(const LocalizationRecord& record) {
+  json rows = json::array();
+  for (const Relocation& one : record.relocations) {
+    rows.push_back({{"time", one.stamp.seconds()},
+                    {"after_s", (one.stamp - record.trajectory.front().stamp).seconds()},
+                    {"moved_m", one.moved_m},
+                    {"was_believed", one.was_believed}});
+  }
+  return rows;
+}
+
 json mean_of(const std::vector<double>& values) {
   if (values.empty()) return nullptr;
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -51,6 +65,11 @@ void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult
   trajectory.push_back({stamp, result.pose.mean});
   if (refined_pose) refined.push_back({stamp, refined_pose->mean});
   health.push_back(result.health.state);
+  if (result.relocated_m) {
+    const bool was_believed = std::any_of(place_scores.begin(), place_scores.end(),
+                                          [](double score) { return score > kLikelierRight; });
+    relocations.push_back({stamp, *result.relocated_m, was_believed});
+  }
   scores.push_back(result.score);
   place_scores.push_back(result.place_score);
   max_particles = std::max(max_particles, result.particles);
@@ -91,6 +110,7 @@ json localization_metrics(const LocalizationRecord& record, const std::string& m
       {"unusable_scans", record.unusable_scans},
       {"ambiguous_scans", record.ambiguous_scans},
       {"beyond_map_scans", record.beyond_map_scans},
+      {"relocations", relocations_json(record)},
       {"health", health_shares(record.health)},
       {"score", score_json(record.scores, record.place_scores)},
       {"refined", {{"scans", record.refined.size()}, {"error_m", nullptr}, {"error_rad", nullptr}}},

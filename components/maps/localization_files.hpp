@@ -29,6 +29,13 @@ struct StateRow {
   double probability = 0.0;
 };
 
+/// The search beside a doubted pose took over with a scan (LocalizationResult::relocated_m).
+struct Relocation {
+  Stamp stamp;
+  double moved_m = 0.0;
+  bool was_believed = false;  ///< some scan before spoke for the pose, more than against it
+};
+
 /// Scan by scan what the localizer said.
 struct LocalizationRecord {
   std::vector<log::StampedPose> trajectory;       ///< mean of the particles, one a scan
@@ -37,6 +44,7 @@ struct LocalizationRecord {
   std::vector<localization::HealthState> health;  ///< one a scan
   std::vector<double> scores;                     ///< LocalizationResult::score, one a scan
   std::vector<double> place_scores;               ///< ... place_score
+  std::vector<Relocation> relocations;
   std::size_t max_particles = 0;
   std::size_t unusable_scans = 0;    ///< so far
   std::size_t ambiguous_scans = 0;   ///< of which several places were still possible

@@ -121,6 +121,7 @@ bool Localizer::is_due() {
 
 const LocalizationResult& Localizer::update(const Observation& observation) {
   if (!is_started_) throw std::logic_error("Localizer::update before initialize");
+  result_.relocated_m.reset();
   const Pose2 motion = motion_since_last(observation);
   const Pose2 moved_before = moved_;
   moved_ = moved_ * motion;

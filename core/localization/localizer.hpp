@@ -62,6 +62,9 @@ struct LocalizationResult {
   /// probability. Empty when not ambiguous, and while no place was found.
   std::vector<PlaceBelief> places;
   std::vector<SubmapBelief> submaps;  ///< one a sub-map; empty for maps without
+  /// With this scan the search beside a doubted pose took over (global_search.watch): so far from
+  /// where the robot was believed to be it is now. Nothing: it did not.
+  std::optional<double> relocated_m;
 };
 
 /// Of several scanners (told by their mountings) one has the turn, and what the others saw just

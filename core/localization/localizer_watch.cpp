@@ -101,7 +101,9 @@ Pose2Gaussian Localizer::watch(const Observation& observation, const Pose2Gaussi
   contested_scans_ = is_contested ? contested_scans_ + 1 : 0;
   if (!has_found || (scout_->is_ambiguous() && !is_refuted_by_scout(pose.mean))) return pose;
   take_over();
-  return pose_now();
+  const Pose2Gaussian found = pose_now();
+  result_.relocated_m = translation_distance(found.mean, pose.mean);
+  return found;
 }
 
 /// As if the scout had been the filter all the time.

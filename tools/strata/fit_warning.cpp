@@ -30,6 +30,16 @@ std::string fit_warning(const LocalizedLog& log) {
          (log.begin.empty() ? "?" : ", and did the robot begin at " + log.begin + "?");
 }
 
+std::string start_warning(const nlohmann::json& relocations, const std::string& begin) {
+  if (begin.empty() || relocations.empty()) return "";
+  const nlohmann::json& first = relocations.front();
+  if (first["was_believed"].get<bool>()) return "";
+  return "the robot did not begin at " + begin + ": no scan spoke for it, and after " +
+         report::fixed(first["after_s"].get<double>(), 1) + " s it was found " +
+         report::fixed(first["moved_m"].get<double>(), 1) +
+         " m from where it was believed to be; correct " + begin;
+}
+
 std::string frame_warning(const pipeline::LogFit& fit, std::optional<double> error_m,
                           bool is_frame_known) {
   constexpr double kFarOff_m = 1.0;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "tools/pipeline/map_fit.hpp"
 
 namespace strata::tools {
@@ -24,6 +26,11 @@ struct LocalizedLog {
 /// this log" and why; empty when they do. The score was learned with grid and patch maps: of a
 /// timescale memory it is told, and warns of nothing.
 [[nodiscard]] std::string fit_warning(const LocalizedLog& log);
+
+/// For who said where the robot began (`begin`): the first of the `relocations` of metrics.json
+/// came before any scan had spoken for that place. Empty where none did.
+[[nodiscard]] std::string start_warning(const nlohmann::json& relocations,
+                                        const std::string& begin);
 
 /// For who compares with a truth in a frame of its own: the maps explain the log, and the poses lie
 /// more than a metre off in the mean. Empty where maps were told where the truth lies

@@ -40,7 +40,8 @@ std::string fit_warning_of(const fs::path& folder, const runtime::ComponentEntry
   const YAML::Node start = entry.parameters["start"];
   const bool has_start = start.IsDefined() && start.IsMap() && start["pose"].IsDefined();
   if (has_start && start["pose"].size() > 0) log.begin = "start.pose";
-  return fit_warning(log);
+  const std::string start_warned = start_warning(metrics["relocations"], log.begin);
+  return start_warned.empty() ? fit_warning(log) : start_warned;
 }
 
 }  // namespace

@@ -135,13 +135,15 @@ std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFi
          ", to be replayed in " + pipeline::kReplayPage + " beside it";
 }
 
-void warn_of_bad_fit(const pipeline::LogFit& fit, const nlohmann::json& score,
+void warn_of_bad_fit(const pipeline::LogFit& fit, const nlohmann::json& metrics,
                      const LocalizeOptions& options, bool is_global, VerbContext& context) {
   LocalizedLog log{fit, std::nullopt, options.model, ""};
+  const nlohmann::json& score = metrics["score"]["place_mean"];
   if (!score.is_null()) log.mean_score = score.get<double>();
   if (!is_global) {
     log.begin = options.initial_pose.empty() ? "the first pose of --truth" : "--initial-pose";
   }
+  warn(context, start_warning(metrics["relocations"], log.begin));
   const std::string warning = fit_warning(log);
   if (warning.empty()) return;
   warn(context, warning + (is_global ? "" : " --global looks for it everywhere"));
@@ -188,8 +190,7 @@ void run_localize(const LocalizeOptions& options, VerbContext& context) {
   });
   out.commit();
   warn(context, drawings.what_is_missing());
-  warn_of_bad_fit(fit.fit(), metrics["score"]["place_mean"], options, !start.map_from_robot,
-                  context);
+  warn_of_bad_fit(fit.fit(), metrics, options, !start.map_from_robot, context);
   const nlohmann::json& error = metrics["error_m"];
   const std::string frame = frame_warning(
       fit.fit(), error.is_null() ? std::nullopt : std::optional(error["mean"].get<double>()),

@@ -55,6 +55,20 @@ TEST(LocalizerWatch, TellsOfPlacesThatLookAlikeWhereItCannotDecide) {
   EXPECT_GT(ambiguous, 40U);
 }
 
+TEST(LocalizerWatch, TellsOnceHowFarAnotherPlaceIsFromThePoseThatItReplaces) {
+  std::size_t relocations = 0;
+  Pose2 before;
+  for (const auto& [result, truth] : told_from_a_wrong_start(60)) {
+    if (result.relocated_m) {
+      ++relocations;
+      EXPECT_NEAR(*result.relocated_m, translation_distance(before, result.pose.mean), 0.3);
+      EXPECT_GT(*result.relocated_m, 0.5);
+    }
+    before = result.pose.mean;
+  }
+  EXPECT_EQ(relocations, 1U);
+}
+
 TEST(LocalizerWatch, GivesUpAPoseThatIsNoneOfSeveralPlacesThatFit) {
   const std::vector<Told> told = told_from_a_wrong_start(60);
   for (std::size_t n = 30; n < told.size(); ++n) {

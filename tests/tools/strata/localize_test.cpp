@@ -71,9 +71,15 @@ TEST_F(Localize, PrintsItsMetricsWhenAsked) {
 constexpr const char* kUnwatched = " --set localizer.global_search.watch.is_used=false ";
 
 TEST_F(Localize, FindsARobotThatDidNotBeginAtTheInitialPose) {
-  ASSERT_EQ(localize("--initial-pose 0,0,0 --quiet").code, 0);
+  const auto untold = localize("--initial-pose 0,0,0 --quiet");
+  ASSERT_EQ(untold.code, 0) << untold.out;
+  EXPECT_THAT(untold.out, Not(HasSubstr("did not begin")));
   const auto truth = log::read_trajectory(at("out") / "trajectory.tum");
-  ASSERT_EQ(localize("--initial-pose 1.5,1.5,2.4 --force --quiet").code, 0);
+  const auto told = localize("--initial-pose 1.5,1.5,2.4 --force --quiet");
+  ASSERT_EQ(told.code, 0) << told.out;
+  EXPECT_THAT(told.out,
+              ContainsRegex("warning: the robot did not begin at --initial-pose: no scan spoke "
+                            "for it, and after [0-9.]+ s it was found [0-9.]+ m from"));
   const auto found = log::read_trajectory(at("out") / "trajectory.tum");
   ASSERT_EQ(found.size(), truth.size());
   EXPECT_GT(translation_distance(found.front().pose, truth.front().pose), 1.0);
@@ -133,6 +139,9 @@ TEST_F(Localize, InAReplayWarnsTheSame) {
   const auto own = replayed("--set 'localizer.start.pose=[0, 0, 0]'");
   ASSERT_EQ(own.code, 0) << own.out;
   EXPECT_THAT(own.out, Not(HasSubstr("do not explain")));
+  const auto found = replayed("--set 'localizer.start.pose=[1.5, 1.5, 2.4]'");
+  ASSERT_EQ(found.code, 0) << found.out;
+  EXPECT_THAT(found.out, HasSubstr("the robot did not begin at start.pose"));
   const auto wrong = replayed(
       "--set 'localizer.start.pose=[1.5, 1.5, 2.4]' "
       "--set localizer.localizer.global_search.watch.is_used=false");
