@@ -3,33 +3,14 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
-#include "components/log/disk.hpp"
+#include "components/fleet/scratch.hpp"
 
 namespace fs = std::filesystem;
 
 namespace strata::fleet {
 namespace {
-
-/// Goes with what is in it.
-class Scratch {
- public:
-  explicit Scratch(const fs::path& name) : folder_(log::staged_name(name)) {
-    log::remove_left_over(name);
-  }
-  ~Scratch() {
-    std::error_code error;
-    fs::remove_all(folder_, error);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  [[nodiscard]] const fs::path& folder() const { return folder_; }
-
- private:
-  fs::path folder_;
-};
 
 bool has(const site::Site& site, const std::string& hash) {
   const auto versions = site.versions();

@@ -2,6 +2,7 @@
 #include "components/fleet/push.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -34,9 +35,10 @@ std::map<std::int64_t, OwnVisit> own_visits(Connection& connection, const Member
       return connection.query(what + whose, {robot.site, robot.name});
     } catch (const DeniedError&) {
       if (sends_all) return connection.query(less + whose, {robot.site, robot.name});
-      throw DeniedError(connection.place(), "does not let robots compare spaced visits yet",
+      throw DeniedError(connection.place(),
+                        "does not let robots compare spaced or coded visits yet",
                         "its owner does by `strata fleet init` once more; until then send every "
-                        "scan (spacing 0) by itself (tolerance 0)");
+                        "scan (spacing 0) by itself (tolerance 0, no --against)");
     }
   };
   const Rows rows = ask();
@@ -85,9 +87,12 @@ bool is_same(const OwnVisit& there, const LocalVisit& here) {
   // What is left of a visit has no hash to compare: it is there by its number.
   if (here.visit.name.sha256 != here.whole) return true;
   if (there.end_ns != here.visit.end_ns) return false;
-  // Spaced, or told relative to a version: its path is the one that was measured.
+  // Spaced, or told relative to a version: its path is the one that was measured, but for what
+  // another processor or library of mathematics makes of the same poses.
+  constexpr double kRounding = 1e-6;
+  const double off_m = std::abs(there.path_m - here.visit.path_m);
   return there.scans < here.visit.scans ||
-         (there.scans == here.visit.scans && there.path_m == here.visit.path_m);
+         (there.scans == here.visit.scans && off_m <= kRounding * (1.0 + here.visit.path_m));
 }
 
 void require_same_frame(const Connection& connection, const std::filesystem::path& maps,
@@ -109,7 +114,7 @@ void require_same_frame(const Connection& connection, const std::filesystem::pat
 
 /// One statement, which is one transaction.
 PushOutcome send(Connection& connection, const Member& robot, const Visit& visit,
-                 const VisitPayload& payload) {
+                 const VisitPayload& payload, const LocalVisit& local) {
   const Rows sent = connection.query(
       "INSERT INTO strata.visit (site, robot, visit, sha256, format, scans, end_ns, path_m, "
       "payload) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9) ON CONFLICT DO NOTHING",
@@ -117,8 +122,7 @@ PushOutcome send(Connection& connection, const Member& robot, const Visit& visit
        visit.end_ns, visit.path_m, std::span<const std::byte>(payload.bytes)});
   if (sent.changed() == 1) return PushOutcome::kSent;
   const auto there = own_visits(connection, robot, true);  // another process was quicker
-  return there.at(visit.name.number).sha256 == visit.name.sha256 ? PushOutcome::kThere
-                                                                 : PushOutcome::kClash;
+  return is_same(there.at(visit.name.number), local) ? PushOutcome::kThere : PushOutcome::kClash;
 }
 
 /// Others can read what is told relative to a version only where they can have that.
@@ -173,7 +177,7 @@ void push(Connection& connection, const std::string& site, const std::filesystem
         auto [sent, payload] = told_visit(store, visit.run, spacing, coding);
         sent.name.robot = robot.name;
         sent.name.number = visit.name.number;
-        pushed.outcome = send(connection, robot, sent, payload);
+        pushed.outcome = send(connection, robot, sent, payload, local);
         pushed.name = sent.name;
         pushed.scans = sent.scans;
         if (pushed.outcome == PushOutcome::kSent) {

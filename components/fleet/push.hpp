@@ -37,10 +37,11 @@ struct PushedVisit {
 /// Sends every run of a MAPS folder that the server does not have: one visit, one transaction, so
 /// that a cut at any moment loses nothing, and to do it again repeats nothing. The maps must hold a
 /// visit of a version of the site: that is how one knows that they are in its frame. What is sent
-/// is spaced so; a visit that is there with fewer scans, but the same begin and end, is there.
-/// coding: visits are told relative to it where the server has released it; null: by themselves.
-/// told: of each visit once it is decided. Throws InputError for maps that are not, or a connection
-/// that is no robot of `site`; and as Connection does: what was told before that is on the server.
+/// is spaced so; a visit that is there with fewer scans, or with as many over the same path, and
+/// the same begin and end, is there. coding: visits are told relative to it where the server has
+/// released it; null: by themselves. told: of each visit once it is decided. Throws InputError for
+/// maps that are not, or a connection that is no robot of `site`; and as Connection does: what was
+/// told before that is on the server.
 void push(Connection& connection, const std::string& site, const std::filesystem::path& maps,
           const std::function<void(const PushedVisit&)>& told, const SpacingConfig& spacing = {},
           const Coding* coding = nullptr);

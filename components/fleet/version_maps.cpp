@@ -2,13 +2,10 @@
 #include "components/fleet/version_maps.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
+#include "components/fleet/scratch.hpp"
 #include "components/fleet/versions.hpp"
 #include "components/log/content_hash.hpp"
 #include "components/maps/maps_folder.hpp"
@@ -20,28 +17,6 @@ namespace {
 
 /// The map that robots localize in, and the one that the gate judges by.
 constexpr const char* kGrid = "filtered";
-
-/// Goes with what is in it.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "strata-version-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw OutputError(name, std::strerror(errno), "make room there, or set TMPDIR");
-    }
-    folder_ = name;
-  }
-  ~Scratch() {
-    std::error_code error;
-    fs::remove_all(folder_, error);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  [[nodiscard]] const fs::path& folder() const { return folder_; }
-
- private:
-  fs::path folder_;
-};
 
 bool has_whole(const site::Site& site, const std::string& hash) {
   const auto versions = site.versions();
@@ -88,13 +63,16 @@ ReflectionGrid VersionMaps::read(const std::string& hash, const std::string& pla
     return maps::open_for_reading(local_->maps_of(hash)).load_reflection_grid(kGrid);
   }
   if (!is_there(connection_, site_, hash)) {
-    throw InputError(place,
-                     "is told relative to version " + log::short_hash(hash) +
-                         ", which neither the server nor the site here has",
-                     "release that version again from a site that has it (`strata fleet release`); "
-                     "the visit stays on the server");
+    throw InputError(
+        place,
+        "is told relative to version " + log::short_hash(hash) +
+            ", which neither the server nor the site here has",
+        "release that version again from a site that has it (`strata fleet release`), or "
+        "set the robot aside (`strata fleet set-aside`); the visit stays on the "
+        "server");
   }
-  const Scratch scratch;
+  const Scratch scratch(local_ != nullptr ? local_->folder() / "fetched"
+                                          : fs::temp_directory_path() / "strata-fetched");
   fetch(connection_, site_, hash, scratch.folder());
   return maps::open_for_reading(scratch.folder()).load_reflection_grid(kGrid);
 }

@@ -183,8 +183,9 @@ bool Localizer::is_recovering() const {
   return !is_ambiguous() && !free_space_.empty() && monitor_.injection_share() > 0.0;
 }
 
-/// Of the place that is told as the pose, against the others that scans have left.
+/// Of the place that is told as the pose, against the others that scans have left or a scout found.
 double Localizer::place_probability(const Pose2& pose) const {
+  if (is_contested()) return score_.value() / (score_.value() + scout_->score_.value());
   if (!places_.is_active() || places_.beliefs().empty()) return 1.0;
   double probability = 0.0;
   for (const PlaceBelief& place : places_.beliefs()) {
@@ -197,13 +198,13 @@ void Localizer::tell_places(const Pose2& pose) {
   std::vector<PlaceBelief>& places = result_.places;
   places.clear();
   if (is_contested()) {
-    const double both = score_.value() + scout_->score_.value();
-    const double others = scout_->score_.value() / both;
+    const double own = place_probability(pose);
+    const double others = 1.0 - own;
     for (const PlaceBelief& place : scout_->places_.beliefs()) {
       places.push_back({place.map_from_robot, others * place.probability});
     }
     if (places.empty()) places.push_back({scout_->result_.pose.mean, others});
-    places.push_back({pose, score_.value() / both});
+    places.push_back({pose, own});
   } else if (places_.is_active()) {
     places = places_.beliefs();
   } else if (result_.is_ambiguous && !is_seeking_) {

@@ -58,11 +58,13 @@ struct Evidence {
 ///   other landmark near it. The paper leaves the uniform density out; without it "new" and "known"
 ///   are not comparable;
 /// - the scan factors: exp(gain) times a Gaussian factor, not normalized.
-/// start: a first guess of the poses. labels: canonical, one a visit. Where the curvature of the
-/// penalties makes the Hessian indefinite it is left out (an error of at most 0.6 nats for position
-/// uncertainties below 2 m). Newton's method from the start, and Ceres where that does not
-/// converge. before: of a topology of one visit less, null for none: the order in which its poses
-/// are eliminated is taken over, which changes nothing but rounding. O(n^1.5 x iterations) about.
+/// start: a first guess of the poses. labels: canonical, one a visit. The integral is
+/// Laplace's, by Gauss and Newton's curvature, without that of the penalties where it makes the sum
+/// indefinite: within 0.5 nats where links hold what was measured, 1.3 nats too much in the mean
+/// where topologies are bent far (docs/theory/topological_mapping.md, section 5). Newton's method
+/// from the start, and Ceres where that does not converge. before: of a topology of one visit less,
+/// null for none: the order in which its poses are eliminated is taken over, which changes nothing
+/// but rounding. O(n^1.5 x iterations) about.
 [[nodiscard]] Evidence evaluate(const Labels& labels, const Measurements& measurements,
                                 std::span<const ScanFactor> scans, const std::vector<Pose2>& start,
                                 const LocationPriorConfig& config,

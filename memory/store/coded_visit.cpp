@@ -25,7 +25,7 @@ using detail::ScanHeader;
 constexpr std::size_t kHashBytes = 32;
 constexpr double kMostPlace_m = 1e6;
 constexpr double kMostAngle_rad = 1e3;
-constexpr double kLeastResolution_m = 1e-3;
+constexpr double kLeastResolution_m = 0.005;
 constexpr double kMostResolution_m = 1.0;
 constexpr std::uint32_t kMostRanges = 1U << 16U;
 /// Whoever may push must not make others take all of their memory, nor compute for hours.
@@ -35,7 +35,7 @@ constexpr std::size_t kScanInBeams = 100;  ///< what a scan takes besides
 /// ... and not for long because of a few bytes: a beam that is expected takes next to none.
 std::size_t most_beams(std::size_t bytes) {
   constexpr std::size_t kMostOfNone = std::size_t{1} << 20U;
-  constexpr std::size_t kMostAByte = 4096;
+  constexpr std::size_t kMostAByte = 256;
   return bytes < kMostBeams / kMostAByte ? std::min(kMostBeams, kMostOfNone + bytes * kMostAByte)
                                          : kMostBeams;
 }
@@ -43,7 +43,7 @@ constexpr std::int64_t kTick_ns = 10'000'000;
 constexpr std::int64_t kMostTicks = std::int64_t{1} << 33U;
 constexpr std::int64_t kMostStamp_ns = std::int64_t{1} << 62U;
 constexpr std::int64_t kTurn = 4096;
-constexpr double kSteps_m = 100.0;
+constexpr double kStepsAMetre = 100.0;
 
 bool is_codable(const ScanHeader& header) {
   const auto is_place = [](double metres) { return std::abs(metres) <= kMostPlace_m; };
@@ -75,7 +75,7 @@ std::int64_t wrapped(std::int64_t turn) {
 }
 
 Place place_of(const Pose2& pose) {
-  return {std::lround(pose.x * kSteps_m), std::lround(pose.y * kSteps_m),
+  return {std::lround(pose.x * kStepsAMetre), std::lround(pose.y * kStepsAMetre),
           wrapped(std::lround(pose.theta / (2.0 * std::numbers::pi) * static_cast<double>(kTurn)))};
 }
 
@@ -84,7 +84,7 @@ double heading_of(std::int64_t turn) {
 }
 
 Pose2 pose_of(const Place& place) {
-  return {static_cast<double>(place.x) / kSteps_m, static_cast<double>(place.y) / kSteps_m,
+  return {static_cast<double>(place.x) / kStepsAMetre, static_cast<double>(place.y) / kStepsAMetre,
           heading_of(place.turn)};
 }
 
@@ -202,6 +202,14 @@ class VisitCoder {
   Place step_;  ///< ahead and aside, in the heading before
 };
 
+/// Scans that come faster than ticks would be told later and later.
+bool keep_their_stamps(std::span<const PosedScan> told, std::span<const PosedScan> scans) {
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (std::abs(told[i].scan.stamp.ns - scans[i].scan.stamp.ns) > 2 * kTick_ns) return false;
+  }
+  return true;
+}
+
 std::size_t beams_of(std::span<const PosedScan> scans) {
   std::size_t beams = 0;
   for (const PosedScan& posed : scans) beams += kScanInBeams + posed.scan.size();
@@ -238,6 +246,7 @@ std::optional<CodedVisit> code_visit(std::span<const PosedScan> scans, const Ref
   const std::vector<std::byte> rest = bits.finish();
   coded.bytes.insert(coded.bytes.end(), rest.begin(), rest.end());
   if (beams_of(scans) > most_beams(coded.bytes.size())) return std::nullopt;
+  if (!keep_their_stamps(coded.scans, scans)) return std::nullopt;
   return coded;
 }
 

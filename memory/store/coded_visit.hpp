@@ -25,11 +25,12 @@ struct CodedVisit {
 
 /// Tells scans of one run, in order of time, relative to a map that has this hash (64 hexadecimal
 /// digits). Poses go to the next centimetre and 4096th of a turn, stamps but the first to the next
-/// 10 ms, in order; beams that end within tolerance_m of where the map says (or between what it
-/// says of them and the beams beside them, at most 0.3 m) end there, all others in whole cells from
-/// the laser. Nothing where scans cannot be told so: poses that are not finite or beyond 1000 km,
-/// no scans or one of more than 65,536 beams, far more beams than their bytes may tell, cells below
-/// a millimetre or above a metre. O(cells on all beams), a few microseconds each.
+/// 10 ms, or one after where two would be the same; beams that end within tolerance_m of where the
+/// map says (or between what it says of them and the beams beside them, at most 0.3 m) end there,
+/// all others in whole cells from the laser. Nothing where scans cannot be told so: poses that are
+/// not finite or beyond 1000 km, no scans or one of more than 65,536 beams, far more beams than
+/// their bytes may tell, scans that stay closer than 10 ms to each other, cells below 5 mm or above
+/// a metre. O(cells on all beams), a few microseconds each.
 [[nodiscard]] std::optional<CodedVisit> code_visit(std::span<const PosedScan> scans,
                                                    const ReflectionGrid& map,
                                                    const std::string& map_hash, double tolerance_m);

@@ -23,7 +23,8 @@ std::string fit_warning(const LocalizedLog& log) {
             " they know too little of the place";
   }
   if (log.mean_score) {
-    text += std::string(fit.scans.empty() ? "" : "; ") + "the score of its poses is " +
+    text += std::string(fit.scans.empty() ? "" : "; ") +
+            "the score of its poses, as if no other place fitted, is " +
             report::fixed(*log.mean_score, 2) + " in the mean";
   }
   return text + "; is the log of this building" +

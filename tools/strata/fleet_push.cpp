@@ -41,7 +41,7 @@ std::string why_not(const FleetOptions& options, const std::optional<fleet::Codi
   if (options.tolerance_cells <= 0.0) return "--tolerance 0 sends what was measured";
   if (!coding) return options.against + " has no active version with a filtered map";
   return "the server has not released version " + log::short_hash(coding->hash) +
-         ", or they are smaller so";
+         ", or they are smaller so, or cannot be told otherwise";
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ constexpr std::array<Action, 10> kActions{{
                        "every scan, seven times as much as with 0.5")
            ->check(CLI::Range(0.0, 10.0))
            ->capture_default_str();
-       action.add_option(
+       CLI::Option* against = action.add_option(
            "--against", options.against,
            "folder of the local site: visits are told relative to its active version, in far "
            "fewer bytes");
@@ -82,7 +82,8 @@ constexpr std::array<Action, 10> kActions{{
                        "cells of that map: beams that end so near to where it says end there; 0: "
                        "every beam as it was measured")
            ->check(CLI::Range(0.0, 3.0))
-           ->capture_default_str();
+           ->capture_default_str()
+           ->needs(against);
      }},
     {"pull", "bring the version that was released last into a local site",
      "postgresql://hall-3.robot-1@server/fleet site --activate",

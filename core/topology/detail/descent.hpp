@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Newton's method on the cost of one topology, for starts that are nearly right.
+/// Newton's method on the cost of one topology, from starts that may be bent far.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ struct Optimum {
   std::shared_ptr<const LocationGaussian> gaussian;
 };
 
-/// Nothing when the cost does not converge within a few steps, or nothing is curved there. before:
+/// Nothing when the cost does not converge within 200 steps, or nothing is curved there. before:
 /// of a topology of one visit less, whose order of rows is taken over; or null.
 [[nodiscard]] std::optional<Optimum> descend(const Terms& terms, const LocationPriorConfig& config,
                                              std::vector<Pose2> start,

@@ -69,7 +69,10 @@ BeamCoder::BeamCoder(BitCoder& bits, const ReflectionGrid& map, double tolerance
 
 /// What the scanner measures, strictly within: a range that is read is one that it measures.
 void BeamCoder::set_limits(const Scan& scan) {
-  const double most_cm = 100.0 * static_cast<double>(range_limit_m(scan.range_max_m));
+  // Of format 2 for ever; as range_limit_m() has it.
+  constexpr float kLongest_m = 1000.0F;
+  const bool is_told = scan.range_max_m > 0.0F && scan.range_max_m < kLongest_m;
+  const double most_cm = 100.0 * static_cast<double>(is_told ? scan.range_max_m : kLongest_m);
   double least_cm = 100.0 * static_cast<double>(scan.range_min_m);
   if (!(least_cm > 0.0)) least_cm = 0.0;
   least_cm = std::min(least_cm, most_cm);

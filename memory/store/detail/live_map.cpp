@@ -21,10 +21,14 @@ constexpr int kMostConfirmed = 4;
 constexpr int kLeast = -4;
 constexpr int kCellsAround = 400;  ///< a visit may leave the map
 
+/// Of format 2 for ever, whatever the rest of the project takes for occupied.
+constexpr float kWeak = 0.25F;
+constexpr float kStrong = 0.5F;
+
 std::int8_t cell_of(float reflection) {
   if (!is_known(reflection)) return 0;
-  if (is_free(reflection)) return kFree;
-  return reflection >= kMostlyOccupied ? kSurface : kWeakSurface;
+  if (reflection < kWeak) return kFree;
+  return reflection >= kStrong ? kSurface : kWeakSurface;
 }
 
 Eigen::Vector2d point_at(const Ray& ray, double range_m) {

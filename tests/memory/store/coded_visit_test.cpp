@@ -162,11 +162,19 @@ TEST(CodedVisit, IsATenthOfTheVisitByItself) {
 TEST(CodedVisit, KeepsTheOrderOfStampsThatAreClose) {
   auto sent = drive(false, 20);
   for (std::size_t i = 0; i < sent.size(); ++i)
-    sent[i].scan.stamp.ns = static_cast<std::int64_t>(1000 + 3 * i);
+    sent[i].scan.stamp.ns = static_cast<std::int64_t>(1000 + 30'000'000 * (i / 2) + 3 * (i % 2));
   const CodedVisit visit = coded(sent);
   for (std::size_t i = 1; i < sent.size(); ++i) {
     EXPECT_LT(visit.scans[i - 1].scan.stamp, visit.scans[i].scan.stamp);
+    EXPECT_NEAR((visit.scans[i].scan.stamp - sent[i].scan.stamp).seconds(), 0.0, 0.0151);
   }
+}
+
+TEST(CodedVisit, IsNoneOfScansThatComeFasterThanItsTicks) {
+  auto sent = drive(false, 20);
+  for (std::size_t i = 0; i < sent.size(); ++i)
+    sent[i].scan.stamp.ns = static_cast<std::int64_t>(1000 + 5'000'000 * i);
+  EXPECT_FALSE(code_visit(sent, room(), kHash, kCell_m));
 }
 
 TEST(CodedVisit, IsNoneOfScansThatCannotBeToldSo) {

@@ -58,7 +58,7 @@ class Drives {
     drive.drive(from, to, [&](const auto& result, double error_m, Stamp) {
       sample.drive = drives_;
       sample.evidence = localizer.score_evidence();
-      sample.score = result.score;
+      sample.score = result.place_score;
       sample.error_m = error_m;
       sample.is_lost = result.health.state == localization::HealthState::kLost;
       samples_.push_back(sample);
