@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/store/store.hpp"
 
+#include <new>
+
+#include <sqlite3.h>
+
 #include "core/base/damage.hpp"
 #include "memory/store/detail/schema.hpp"
 #include "memory/store/detail/store_impl.hpp"
@@ -14,9 +18,18 @@ void throw_missing(const std::string& place, const std::string& what) {
 
 namespace {
 
+/// SQLite tells of a page that it had no memory for as of one that is damaged.
+void require_memory_to_check() {
+  constexpr sqlite3_uint64 kCheckBytes = sqlite3_uint64{4} << 20U;  // twice its cache
+  void* room = sqlite3_malloc64(kCheckBytes);
+  if (room == nullptr) throw std::bad_alloc();
+  sqlite3_free(room);
+}
+
 void check_for_damage(Database& database) {
   const std::string verdict = database.query_text("PRAGMA quick_check(1)");
   if (verdict == "ok") return;
+  require_memory_to_check();
   database.leave_log();
   throw DamageError(database.place(), "is damaged (" + verdict + ")",
                     "take it from a backup, or learn the maps again into a new folder");

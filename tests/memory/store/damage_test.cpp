@@ -70,6 +70,27 @@ TEST_F(StoreFile, OfANewerVersionIsRefusedWithARemedy) {
   }
 }
 
+/// At every amount of memory that SQLite may have a whole store is read, or not, and never called
+/// damaged.
+TEST_F(StoreFile, ThatThereIsNoMemoryToCheckIsNotCalledDamaged) {
+  std::size_t refused = 0;
+  std::size_t opened = 0;
+  for (sqlite3_int64 more = 20'000; more < 6'000'000; more += more / 16) {
+    sqlite3_hard_heap_limit64(sqlite3_memory_used() + more);
+    try {
+      const Store store(path(), {.read_only = true});
+      ++opened;
+    } catch (const DamageError& error) {
+      ADD_FAILURE() << more << " bytes: " << error.what();
+    } catch (const std::exception&) {
+      ++refused;
+    }
+    sqlite3_hard_heap_limit64(0);
+  }
+  EXPECT_GT(refused, 10U);
+  EXPECT_GT(opened, 10U);
+}
+
 TEST_F(StoreFile, ThatIsAnotherKindOfDatabaseIsRefused) {
   run_sql("PRAGMA application_id = 1");
   EXPECT_THAT(error_of<InputError>([&] { const Store store(path()); }),
