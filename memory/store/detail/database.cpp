@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <new>
 
 #include <sqlite3.h>
 
@@ -35,6 +36,7 @@ bool was_ours(const std::string& path) {
 [[noreturn]] void throw_error(const std::string& place, int code, const std::string& message,
                               bool writing) {
   const int primary = code & 0xff;
+  if (primary == SQLITE_NOMEM || code == SQLITE_IOERR_NOMEM) throw std::bad_alloc();
   std::string what = writing ? "cannot write: " + message : "cannot read: " + message;
   std::string remedy;
   switch (primary) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A thin owner of one SQLite connection and its statements; errors become InputError when reading
-/// and OutputError when writing, with the path as the place.
+/// and OutputError when writing, with the path as the place, and std::bad_alloc where memory ran
+/// out.
 #pragma once
 
 #include <cstddef>
