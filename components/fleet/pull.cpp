@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/fleet/pull.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -10,16 +9,6 @@
 namespace fs = std::filesystem;
 
 namespace strata::fleet {
-namespace {
-
-bool has(const site::Site& site, const std::string& hash) {
-  const auto versions = site.versions();
-  return std::any_of(versions.begin(), versions.end(), [&](const site::VersionStatus& one) {
-    return one.version.hash == hash && one.fault.empty();
-  });
-}
-
-}  // namespace
 
 std::optional<Pulled> pull(Connection& connection, site::Site& site, const PullOptions& options,
                            const site::Actor& actor) {
@@ -31,7 +20,7 @@ std::optional<Pulled> pull(Connection& connection, site::Site& site, const PullO
                            connection.place() + (wanted->note.empty() ? "" : ": " + wanted->note);
   Pulled pulled;
   pulled.version = *wanted;
-  pulled.is_new = !has(site, wanted->hash);
+  pulled.is_new = !site.has(wanted->hash);
   if (pulled.is_new) {
     const Scratch scratch(site.folder() / "fetched");
     fetch(connection, id, wanted->hash, scratch.folder());

@@ -127,10 +127,8 @@ PushOutcome send(Connection& connection, const Member& robot, const Visit& visit
 
 /// Others can read what is told relative to a version only where they can have that.
 bool is_released(Connection& connection, const std::string& site, const std::string& hash) {
-  const std::vector<ServerVersion> all = versions(connection, site);
-  return std::any_of(all.begin(), all.end(), [&](const ServerVersion& one) {
-    return one.hash == hash && one.state == "released";
-  });
+  const std::optional<ServerVersion> version = version_of(connection, site, hash);
+  return version && version->state == "released";
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/fleet/version_maps.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -18,19 +17,12 @@ namespace {
 /// The map that robots localize in, and the one that the gate judges by.
 constexpr const char* kGrid = "filtered";
 
-bool has_whole(const site::Site& site, const std::string& hash) {
-  const auto versions = site.versions();
-  return std::any_of(versions.begin(), versions.end(),
-                     [&](const site::VersionStatus& one) {
-                       return one.version.hash == hash && one.fault.empty();
-                     }) &&
-         site.fault_of(hash).empty();
-}
-
-bool is_there(Connection& connection, const std::string& site, const std::string& hash) {
-  const std::vector<ServerVersion> all = versions(connection, site);
-  return std::any_of(all.begin(), all.end(),
-                     [&](const ServerVersion& one) { return one.hash == hash; });
+ReflectionGrid grid_in(const fs::path& folder, const std::string& hash, const std::string& place) {
+  const memory::Store store = maps::open_for_reading(folder);
+  if (store.has_grid(kGrid)) return store.load_reflection_grid(kGrid);
+  throw InputError(
+      place, "is told relative to version " + log::short_hash(hash) + ", which has no filtered map",
+      "set the robot aside (`strata fleet set-aside`); the visit stays on the server");
 }
 
 }  // namespace
@@ -59,22 +51,21 @@ const ReflectionGrid& VersionMaps::of(const std::string& hash, const std::string
 }
 
 ReflectionGrid VersionMaps::read(const std::string& hash, const std::string& place) {
-  if (local_ != nullptr && has_whole(*local_, hash)) {
-    return maps::open_for_reading(local_->maps_of(hash)).load_reflection_grid(kGrid);
+  if (local_ != nullptr && local_->has(hash) && local_->fault_of(hash).empty()) {
+    return grid_in(local_->maps_of(hash), hash, place);
   }
-  if (!is_there(connection_, site_, hash)) {
-    throw InputError(
-        place,
-        "is told relative to version " + log::short_hash(hash) +
-            ", which neither the server nor the site here has",
-        "release that version again from a site that has it (`strata fleet release`), or "
-        "set the robot aside (`strata fleet set-aside`); the visit stays on the "
-        "server");
+  if (!version_of(connection_, site_, hash)) {
+    throw InputError(place,
+                     "is told relative to version " + log::short_hash(hash) +
+                         ", which neither the server nor the site here has",
+                     "release that version again from a site that has it (`strata fleet release`), "
+                     "or set the robot aside (`strata fleet set-aside`); the visit stays on the "
+                     "server");
   }
   const Scratch scratch(local_ != nullptr ? local_->folder() / "fetched"
                                           : fs::temp_directory_path() / "strata-fetched");
   fetch(connection_, site_, hash, scratch.folder());
-  return maps::open_for_reading(scratch.folder()).load_reflection_grid(kGrid);
+  return grid_in(scratch.folder(), hash, place);
 }
 
 }  // namespace strata::fleet

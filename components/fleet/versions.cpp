@@ -94,6 +94,14 @@ std::vector<ServerVersion> versions(Connection& connection, const std::string& s
   return all;
 }
 
+std::optional<ServerVersion> version_of(Connection& connection, const std::string& site,
+                                        const std::string& hash) {
+  for (ServerVersion& one : versions(connection, site)) {
+    if (one.hash == hash) return std::move(one);
+  }
+  return std::nullopt;
+}
+
 std::optional<ServerVersion> newest_released(Connection& connection, const std::string& site) {
   for (ServerVersion& version : versions(connection, site)) {
     if (version.state == "released") return std::move(version);

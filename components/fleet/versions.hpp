@@ -24,6 +24,11 @@ struct ServerVersion {
 /// Those that this role may read, the one that was released last first. O(versions).
 [[nodiscard]] std::vector<ServerVersion> versions(Connection& connection, const std::string& site);
 
+/// The one of that hash that this role may read. O(versions).
+[[nodiscard]] std::optional<ServerVersion> version_of(Connection& connection,
+                                                      const std::string& site,
+                                                      const std::string& hash);
+
 /// What robots should use: the one that was released last. Nothing where none is released.
 [[nodiscard]] std::optional<ServerVersion> newest_released(Connection& connection,
                                                            const std::string& site);

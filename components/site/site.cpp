@@ -92,6 +92,13 @@ std::vector<VersionStatus> Site::versions(const Decisions& decisions) const {
   return all;
 }
 
+bool Site::has(const std::string& hash) const {
+  const std::vector<VersionStatus> all = versions();
+  return std::any_of(all.begin(), all.end(), [&](const VersionStatus& one) {
+    return one.version.hash == hash && one.fault.empty();
+  });
+}
+
 VersionStatus Site::find(const std::string& name) const {
   const Decisions known = decisions();
   const std::vector<VersionStatus> all = versions(known);

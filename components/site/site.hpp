@@ -76,6 +76,8 @@ class Site {
   [[nodiscard]] Decisions decisions() const;
   /// By number; damaged ones last.
   [[nodiscard]] std::vector<VersionStatus> versions() const;
+  /// Whether a version of that hash is here, whose version.json can be read.
+  [[nodiscard]] bool has(const std::string& hash) const;
   /// Hash of the active version.
   [[nodiscard]] std::optional<std::string> active() const;
   [[nodiscard]] std::filesystem::path maps_of(const std::string& hash) const;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Visits that are told relative to a version, from a robot to who learns from them.
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "components/fleet/push.hpp"
+#include "components/fleet/visits.hpp"
+#include "components/maps/maps_folder.hpp"
 #include "components/maps/thinned_runs.hpp"
 #include "memory/store/coded_visit.hpp"
 #include "memory/store/visit_content.hpp"
@@ -58,6 +61,27 @@ TEST_F(RelativePush, TellsVisitsRelativeToAReleasedVersionAndKnowsThemAgain) {
   const auto learned = visits_to_learn(ada, "hall", {});
   ASSERT_EQ(learned.size(), 1U);
   EXPECT_EQ(memory::visit_content(learned[0].scans), memory::visit_content(coded->scans));
+}
+
+/// Another machine makes another last bit of the same way; another way to the same end is another
+/// visit.
+TEST_F(RelativePush, KnowsAVisitAgainByItsWayButNotToTheLastBit) {
+  (void)release_first_tour("hall");
+  Connection robot = as("hall.r1");
+  for (const auto& [day, factor, outcome] : {std::tuple(1, 1.0 + 1e-12, PushOutcome::kThere),
+                                             std::tuple(2, 1.01, PushOutcome::kClash)}) {
+    const std::string maps = at("day_" + std::to_string(day));
+    test::write_maps(maps, {first_tour(), drive(10 * day, 1)});
+    const memory::Store store = maps::open_for_reading(maps);
+    const Visit visit = visit_of(store, store.runs_with_scans().back());
+    (void)robot.query(
+        "INSERT INTO strata.visit (site, robot, visit, sha256, format, scans, end_ns, path_m, "
+        "payload) VALUES ('hall', 'r1', $1, repeat($2, 64), 2, $3, $4, $5, 'told')",
+        {visit.name.number, std::to_string(day), visit.scans, visit.end_ns, factor * visit.path_m});
+    std::vector<PushedVisit> all;
+    push(robot, "hall", maps, [&](const PushedVisit& one) { all.push_back(one); });
+    EXPECT_EQ(all.back().outcome, outcome) << factor;
+  }
 }
 
 TEST_F(RelativePush, SendsVisitsByThemselvesWhereTheServerLacksTheVersion) {
