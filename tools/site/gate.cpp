@@ -162,29 +162,21 @@ std::pair<Drive, pipeline::LocalizationRun> drive(const Side& side, const Record
   return {std::move(result), std::move(run)};
 }
 
-std::size_t first_of(const std::vector<double>& scores) {
-  const auto found =
-      std::find_if(scores.begin(), scores.end(), [](double score) { return score >= kFoundScore; });
-  return static_cast<std::size_t>(found - scores.begin());
-}
-
 /// Cuts the recording to where the robot is found; where that is. Nothing: it never is.
 std::optional<Pose2> find_start(const Side& side, Recording& recording, const GateTask& task,
                                 const GateConfig& config, Progress* progress) {
   if (!recording.truths.empty() && recording.truths.front()) return recording.truths.front();
   const auto [first, run] = drive(side, recording, std::nullopt, task, config, progress);
   if (!first.fit.is_explained()) return std::nullopt;
-  // A recording may end while several places fit: both versions are judged at the likeliest then.
-  std::size_t at = first_of(run.scores);
-  if (at + kMinScans > run.scores.size()) at = first_of(run.place_scores);
-  if (at == run.scores.size()) return std::nullopt;
-  const auto before = static_cast<std::ptrdiff_t>(at);
+  const std::optional<std::size_t> at = found_at(run.scores, run.place_scores);
+  if (!at) return std::nullopt;
+  const auto before = static_cast<std::ptrdiff_t>(*at);
   recording.observations.erase(recording.observations.begin(),
                                recording.observations.begin() + before);
   if (!recording.truths.empty()) {
     recording.truths.erase(recording.truths.begin(), recording.truths.begin() + before);
   }
-  return run.trajectory[at].pose;
+  return run.trajectory[*at].pose;
 }
 
 void compare(const GateLog& log, const GateConfig& config, GateReport& report) {
@@ -252,6 +244,19 @@ void drive_log(std::size_t number, const GateTask& task, const GateConfig& confi
 }
 
 }  // namespace
+
+std::optional<std::size_t> found_at(std::span<const double> scores,
+                                    std::span<const double> place_scores) {
+  const auto first_of = [](std::span<const double> all) {
+    const auto found =
+        std::find_if(all.begin(), all.end(), [](double score) { return score >= kFoundScore; });
+    return static_cast<std::size_t>(found - all.begin());
+  };
+  const std::size_t alone = first_of(scores);
+  if (alone + kMinScans <= scores.size()) return alone;
+  const std::size_t alike = first_of(place_scores);
+  return alike < place_scores.size() ? std::optional(alike) : std::nullopt;
+}
 
 bool GateReport::passed() const {
   return std::all_of(checks.begin(), checks.end(),

@@ -2,9 +2,11 @@
 /// Whether maps may take the place of those that robots localize in (docs/site.md, "The gate").
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -144,6 +146,13 @@ struct GateTask {
   std::uint64_t seed = 1;
   int threads = 1;
 };
+
+/// From which scan on a robot that began from nowhere counts as found: its score
+/// (LocalizationResult::score) is high; where fewer than ten scans are left then, or none is, since
+/// several places fit to the end, its score as if no other place fitted: both versions are judged
+/// at the likeliest. Nothing where neither is ever high. One value a scan each.
+[[nodiscard]] std::optional<std::size_t> found_at(std::span<const double> scores,
+                                                  std::span<const double> place_scores);
 
 /// Looks whether the candidate is folded, whether its walls lie where the active version's do and
 /// where those of the first version did that still has them, and

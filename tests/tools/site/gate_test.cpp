@@ -2,6 +2,7 @@
 /// The gate lets good maps through and none that would harm a robot.
 #include "tools/site/gate.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -83,6 +84,19 @@ class Gate : public testing::Test {
   }
   test::TemporaryDirectory folder_;
 };
+
+TEST(GateStart, IsWhereOnePlaceIsSureOrWhereNoneEverIsTheLikeliest) {
+  std::vector<double> scores(40, 0.4);
+  std::vector<double> alone(40, 0.3);
+  EXPECT_EQ(found_at(scores, alone), std::nullopt);
+  std::fill(alone.begin() + 5, alone.end(), 0.9);
+  EXPECT_EQ(found_at(scores, alone), 5U) << "several places fit to the end";
+  std::fill(scores.begin() + 31, scores.end(), 0.9);
+  EXPECT_EQ(found_at(scores, alone), 5U) << "nine scans are no drive";
+  scores[30] = 0.9;
+  EXPECT_EQ(found_at(scores, alone), 30U);
+  EXPECT_EQ(found_at({}, {}), std::nullopt);
+}
 
 TEST_F(Gate, LetsMapsThroughThatAreAsGoodAndDrivesThem) {
   learn("active", {});
