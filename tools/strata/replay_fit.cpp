@@ -22,11 +22,11 @@ std::string text_of(const YAML::Node& parameters, const char* key) {
   return parameters[key].IsDefined() ? parameters[key].as<std::string>() : "";
 }
 
-/// Empty where they explain it, or it never localized.
-std::string fit_warning_of(const fs::path& folder, const runtime::ComponentEntry& entry,
-                           const pipeline::Runs& runs) {
+/// None where they explain it, or it never localized.
+std::vector<std::string> warnings_of(const fs::path& folder, const runtime::ComponentEntry& entry,
+                                     const pipeline::Runs& runs) {
   std::ifstream in(folder / maps::kMetricsFile);
-  if (!in) return "";
+  if (!in) return {};
   const auto metrics = nlohmann::json::parse(in);
   const std::string maps_folder = text_of(entry.parameters, "maps");
   pipeline::LogFit fit;
@@ -40,8 +40,10 @@ std::string fit_warning_of(const fs::path& folder, const runtime::ComponentEntry
   const YAML::Node start = entry.parameters["start"];
   const bool has_start = start.IsDefined() && start.IsMap() && start["pose"].IsDefined();
   if (has_start && start["pose"].size() > 0) log.begin = "start.pose";
-  const std::string start_warned = start_warning(metrics["relocations"], log.begin);
-  return start_warned.empty() ? fit_warning(log) : start_warned;
+  std::vector<std::string> warnings{start_warning(metrics["relocations"], log.begin),
+                                    fit_warning(log)};
+  std::erase(warnings, "");
+  return warnings;
 }
 
 }  // namespace
@@ -54,8 +56,7 @@ std::vector<std::string> fit_warnings(const fs::path& out, const runtime::Compos
       if (entry.type != "strata::Localizer") continue;
       const fs::path folder = out / runtime::out_folder_of(entry, composition) /
                               text_of(entry.parameters, "out_subfolder");
-      const std::string warning = fit_warning_of(folder, entry, runs);
-      if (!warning.empty()) {
+      for (const std::string& warning : warnings_of(folder, entry, runs)) {
         warnings.push_back(warning + " (" +
                            bus::expand_name(entry.name, entry.node_namespace, entry.name) + ")");
       }
