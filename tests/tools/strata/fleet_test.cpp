@@ -202,6 +202,8 @@ TEST_F(FleetVerb, SaysWhatIsWrongAndWhatToDo) {
   expect(run("fleet push " + r2 + " " + quoted(at("maps")) + site + " --against " +
              quoted(at("yard"))),
          2, "two sites do not mix");
+  expect(run("fleet push " + r2 + " " + quoted(at("maps")) + site + " --tolerance 1"), 2,
+         "--against");
   expect(run("fleet push " + r2 + " " + quoted(at("maps")) + " --site yard"), 2,
          "two sites do not mix");
   expect(run("fleet set-aside " + url() + site + " r2"), 2, "says not why");
