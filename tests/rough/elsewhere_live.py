@@ -10,7 +10,8 @@ import struct
 import elsewhere
 from live import Domain, Running, play, run_composition
 
-TOPIC = "/localization_score"
+SCORE = "/localization_score"
+DIAGNOSTICS = "/diagnostics"
 # Of a whole drive in lockstep, of its second half live; in the mean.
 EXPLAINED = 0.5
 NOT_EXPLAINED = 0.3
@@ -32,27 +33,45 @@ def replayed(tries, material, name, log, is_low, *more):
         return json.load(file)["score"]["mean"]
 
 
+def messages(folder, topic):
+    """Of a bag, as bytes."""
+    for file in sorted(os.listdir(folder)):
+        if file.endswith(".db3"):
+            with sqlite3.connect(os.path.join(folder, file)) as bag:
+                yield from (data for (data,) in bag.execute(
+                    "SELECT data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY timestamp",
+                    (topic,)))
+
+
+def value_of(data, key):
+    """Of a diagnostic_msgs/KeyValue in a message, as text; None where it has none of that key."""
+    at = data.find(key.encode() + b"\0")
+    if at < 0:
+        return None
+    at = 4 + (at + len(key) + 1 - 4 + 3) // 4 * 4
+    size, = struct.unpack_from("<I", data, at)
+    return data[at + 4:at + 3 + size].decode()
+
+
 def heard_live(tries, material, name, log, *more):
-    """None where too few came: a machine with much else to do loses scans."""
+    """The mean score, None where too few came: a machine with much else to do loses scans; and how often the search
+    beside the pose took over."""
     domain = Domain()
     folder = material.at("score_" + name)
     recorder = Running(tries.strata, material, "score_recorder_" + name, [
         "record", "--out", folder, "--transport", "loopback", "--domain", str(domain.number),
-        "--storage", "sqlite3", "--topics", TOPIC + ":std_msgs/msg/Float64"], "recording into")
+        "--storage", "sqlite3", "--topics", SCORE + ":std_msgs/msg/Float64",
+        DIAGNOSTICS + ":diagnostic_msgs/msg/DiagnosticArray"], "recording into")
     localizing = run_composition(tries, material, "localizing_" + name, material.compositions +
                                  "/localize.yaml", domain, "--set",
                                  "localizer.maps=" + material.at("maps"), *more)
     tries.strata_try(f"{name}: play", play(log, domain, "--rate", "4"), 0)
     ends = (localizing.stop(), recorder.stop())
     tries.hold(f"{name}: both end well", ends == (0, 0), localizing.told()[-200:])
-    scores = []
-    for file in sorted(os.listdir(folder)):
-        if file.endswith(".db3"):
-            with sqlite3.connect(os.path.join(folder, file)) as bag:
-                scores += [struct.unpack("<d", data[4:12])[0] for (data,) in bag.execute(
-                    "SELECT data FROM messages ORDER BY timestamp")]
+    scores = [struct.unpack("<d", data[4:12])[0] for data in messages(folder, SCORE)]
+    took_over = [value for data in messages(folder, DIAGNOSTICS) if (value := value_of(data, "relocations"))]
     later = scores[len(scores) // 2:]
-    return sum(later) / len(later) if len(later) >= 5 else None
+    return sum(later) / len(later) if len(later) >= 5 else None, int(took_over[-1]) if took_over else 0
 
 
 def run(tries, material):
@@ -82,4 +101,8 @@ def run(tries, material):
     for name, log, start, is_low in (("own", material.log, begin, False),
                                      ("own_wrong_start", material.log, wrong[:2], False),
                                      ("other", other, (), True)):
-        judge(tries, "live, " + name, heard_live(tries, material, name, log, *chosen, *start), is_low)
+        mean, took_over = heard_live(tries, material, name, log, *chosen, *start)
+        judge(tries, "live, " + name, mean, is_low)
+        if name == "own_wrong_start":
+            tries.hold("live, a wrong start: diagnostics tell that another place took over", took_over >= 1,
+                       str(took_over))
