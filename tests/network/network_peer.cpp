@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// One end of a topic, on a host of its own:
 ///
-///   network_peer TRANSPORT scans COUNT HZ [QOS]  waits for a reader, publishes numbered scans,
-///                                                "done"
-///   network_peer TRANSPORT hear COUNT [QOS]      "heard N of M in order" after scan M = COUNT - 1
+///   network_peer TRANSPORT scans COUNT HZ [QOS [told]]
+///                                                waits for a reader and, when told, for a line of
+///                                                input; publishes numbered scans, "done"
+///   network_peer TRANSPORT hear COUNT [QOS]      "met" once a writer is matched; "heard N of M, K
+///                                                in order" after scan M = COUNT - 1
 ///   network_peer TRANSPORT map CELLS             publishes a square map, latched
 ///   network_peer TRANSPORT get-map               "map CELLS CHECKSUM" of the one that comes
 ///   network_peer TRANSPORT meet NUMBER           publishes its number, latched, and reads those of
@@ -42,10 +44,11 @@ void say(const std::string& line) {
 }
 
 void publish_scans(const std::shared_ptr<bus::Participant>& participant, int count, double hertz,
-                   const std::string& qos) {
+                   const std::string& qos, bool when_told) {
   bus::Writer<LaserScan> writer(participant, "/scan", bus::qos_profile(qos));
   say("ready");
   if (!writer.raw().wait_for_readers(1, kPatience)) return;
+  if (std::string line; when_told && !std::getline(std::cin, line)) return;
   LaserScan scan;
   scan.ranges().assign(kBeams, 1.0F);
   auto due = std::chrono::steady_clock::now();
@@ -76,6 +79,7 @@ void hear_scans(const std::shared_ptr<bus::Participant>& participant, int count,
             std::to_string(in_order) + " in order");
       });
   say("ready");
+  if (reader.raw().wait_for_writers(1, kPatience)) say("met");
   while (std::cin.get() != EOF) {
   }
 }
@@ -138,7 +142,7 @@ int run(int argc, char** argv) {
   const bus::Node node(participant, "/", "peer");
   if (role == "scans" && argc >= 5) {
     publish_scans(participant, std::stoi(argv[3]), std::stod(argv[4]),
-                  argc > 5 ? argv[5] : "default");
+                  argc > 5 ? argv[5] : "default", argc > 6 && std::string(argv[6]) == "told");
   } else if (role == "hear" && argc >= 4) {
     hear_scans(participant, std::stoi(argv[3]), argc > 4 ? argv[4] : "default");
   } else if (role == "meet" && argc == 4) {

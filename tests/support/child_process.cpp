@@ -75,6 +75,13 @@ ChildProcess::~ChildProcess() {
   close(output_);
 }
 
+void ChildProcess::tell(const std::string& line) const {
+  const std::string text = line + "\n";
+  if (write(input_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
+    throw OutputError(line, "a child's input takes no more", "look why it ended");
+  }
+}
+
 void ChildProcess::close_input() {
   if (input_ >= 0) close(input_);
   input_ = -1;

@@ -30,6 +30,8 @@ class ChildProcess {
       const std::string& start, std::chrono::milliseconds patience = std::chrono::seconds(20));
   /// Everything it still says until it closes its output.
   [[nodiscard]] std::string rest();
+  /// Writes a line to its input. Throws OutputError where it reads no more.
+  void tell(const std::string& line) const;
   void close_input();
   void send(int signal_number) const;
   void kill_hard();
