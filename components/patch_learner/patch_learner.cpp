@@ -10,6 +10,7 @@
 #include "components/convert/patch_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/log/damaged_file.hpp"
+#include "components/log/set_back_watch.hpp"
 #include "components/log/stored_bytes.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
@@ -168,6 +169,9 @@ void PatchLearner::learn_online(PosedScan scan) {
     return;
   }
   (void)blind_beams(scan, limits_.never);
+  // By a clock that was set back no visit would end before it has caught up: another run begins.
+  const double back_s = newest_ ? (*newest_ - scan.scan.stamp).seconds() : 0.0;
+  if (!lockstep() && back_s > log::kMinSetBackS) ++first_run_;
   newest_ = scan.scan.stamp;
   scan.run += first_run_;
   if (store_) {
@@ -182,13 +186,13 @@ void PatchLearner::learn_online(PosedScan scan) {
 void PatchLearner::publish_if_due() {
   const Clock::time_point begin = Clock::now();
   if (!has_news_ || (!lockstep() && begin < may_publish_)) return;
-  if (published_ && std::abs((newest_ - *published_).seconds()) < config_.online.publish_every_s) {
+  if (published_ && std::abs((*newest_ - *published_).seconds()) < config_.online.publish_every_s) {
     return;
   }
   patch::PatchMap map = online_->map();
   patch::keep_static(map, limits_.static_only);
   count_areas(map);
-  publish_map_(convert::to_message(map, newest_, config_.map_frame));
+  publish_map_(convert::to_message(map, newest_.value_or(Stamp()), config_.map_frame));
   published_ = newest_;
   has_news_ = false;
   may_publish_ = runtime::next_turn(begin);
@@ -271,6 +275,7 @@ void PatchLearner::on_cleanup() {
   scans_without_map_ = 0;
   moves_ = 0;
   first_run_ = 0;
+  newest_.reset();
 }
 
 }  // namespace strata::patch_learner

@@ -78,7 +78,7 @@ class PatchLearner final : public runtime::Component {
   int first_run_ = 0;            // of the scans that come, after those of `maps`
   std::deque<PosedScan> early_;  // came before there was a map to learn on
   std::uint64_t scans_without_map_ = 0;
-  Stamp newest_;
+  std::optional<Stamp> newest_;            // of the scans that it learned from
   std::optional<KnownPoses> known_poses_;  // of the newest trajectory
   bool has_known_poses_ = false;           // that scans have not been moved to yet
   Clock::time_point relearned_;            // when that began

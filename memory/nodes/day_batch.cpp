@@ -16,7 +16,10 @@ std::int64_t day_of(Stamp stamp) {
 }  // namespace
 
 bool DayBatch::is_over(int run, Stamp stamp) const {
-  return scans_ > 0 && (span_.run != run || day_of(stamp) > day_of(span_.end));
+  if (scans_ == 0) return false;
+  // A day that began by a clock far ahead ends when that is put right; stamps out of order do not.
+  const bool is_set_back = day_of(stamp) + 1 < day_of(span_.begin);
+  return span_.run != run || day_of(stamp) > day_of(span_.end) || is_set_back;
 }
 
 void DayBatch::add(const VirtualScan& scan, int run, Stamp stamp, RandomStream& random) {

@@ -20,7 +20,7 @@ class DayBatch {
 
   [[nodiscard]] bool empty() const { return scans_ == 0; }
   [[nodiscard]] const NodeLevel& seen() const { return seen_; }
-  /// Whether a scan belongs to a later day than those gathered.
+  /// Whether a scan belongs to a later day than those gathered, or the clock was set back by days.
   [[nodiscard]] bool is_over(int run, Stamp stamp) const;
   /// Changes whenever the content does.
   [[nodiscard]] std::uint64_t revision() const { return (closed_ << 32U) + scans_; }

@@ -157,6 +157,20 @@ TEST_F(LiveLearner, LearnsAnewWhereALoopClosureHasMovedScans) {
   EXPECT_TRUE(says("times that loop closures moved scans", "1"));
 }
 
+// Without another run no visit would end, and nothing be looked for, before the clock has caught
+// up.
+TEST_F(LiveLearner, LearnsOnWhenTheClockIsSetBack) {
+  auto scans = drives(6);
+  for (PosedScan& scan : scans) {
+    const double back_s = scan.scan.stamp.seconds() < 100.0 ? 0.0 : 90'000.0;
+    scan.scan.stamp = scan.scan.stamp + Duration::from_seconds(100'000.0 - back_s);
+  }
+  bring_base(scans);
+  for (const PosedScan& scan : scans) publish(scan);
+  ASSERT_TRUE(says("scans", std::to_string(scans.size())));
+  EXPECT_TRUE(says("sub-maps", "1")) << "the door, closed and open";
+}
+
 TEST_F(LiveLearner, LeavesOutAnAreaInWhichNothingReturnsAndSaysSo) {
   const auto scans = patch::test_world::drive_past_box({0, 1, 2, 3, 4, -1, 0, 1}, 2,
                                                        patch::test_world::Visits::kOneRun);

@@ -95,6 +95,14 @@ TEST(DayLevels, CountADayForARunWhoseClockSaysNothing) {
   EXPECT_NEAR(share_of_box(memory, 1), std::exp2(-1.0 / 3.0), 0.06);
 }
 
+TEST(DayLevels, EndADayThatBeganByAClockFarAheadWhenThatIsPutRight) {
+  TimescaleMemory memory(with_daily_and_weekly());
+  spend_day(memory, 1000, 10, true);
+  EXPECT_EQ(memory.nodes()[0].levels[1].sample_count(), 0U);
+  spend_day(memory, 0, 1, false);
+  EXPECT_EQ(share_of_box(memory, 1), 1.0);
+}
+
 TEST(DayLevels, GoOnFromTheirStateInTheMiddleOfADay) {
   TimescaleMemory memory(with_daily_and_weekly(), 7);
   spend_day(memory, 0, 100, true);
