@@ -122,6 +122,11 @@ void LearnerStore::flush() {
   waiting_.clear();
 }
 
+void LearnerStore::finish(const patch::OnlinePatchLearner& learner) {
+  if (!scans_) write_state(learner);
+  flush();
+}
+
 void LearnerStore::write_state(const patch::OnlinePatchLearner& learner) {
   const std::vector<std::uint8_t> state = learner.save_state();
   const fs::path scans = scans_file(learner.status().scans_seen);

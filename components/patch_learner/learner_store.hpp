@@ -47,8 +47,12 @@ class LearnerStore {
   /// a state was due and could not be written; it is tried again when the next one is due, and
   /// until then the files stay as they were.
   void add(const patch::OnlinePatchLearner& learner, const PosedScan& scan);
-  /// Writes what is not written yet. Throws OutputError.
+  /// Writes the scans that are not written yet; none while a state could not be written. Throws
+  /// OutputError.
   void flush();
+  /// Writes what is not written yet: the scans, or the state that could not be written. Throws
+  /// OutputError.
+  void finish(const patch::OnlinePatchLearner& learner);
 
  private:
   [[nodiscard]] std::filesystem::path scans_file(std::size_t number) const;

@@ -255,7 +255,7 @@ void PatchLearner::on_tick() {
 }
 
 void PatchLearner::on_deactivate() {
-  if (store_) store_->flush();
+  if (store_) store_->finish(*online_);
 }
 
 void PatchLearner::on_cleanup() {

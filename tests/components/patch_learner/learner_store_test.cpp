@@ -167,6 +167,12 @@ TEST_F(LearnerStoreTest, AStateThatCannotBeWrittenLeavesTheOneBeforeAndItsScans)
   patch::OnlinePatchLearner after = fresh();
   EXPECT_EQ(LearnerStore(folder(), 5.0).restore(after), scans_[40].run);
   EXPECT_EQ(after.status().scans_seen, 41U) << "what was written before";
+  // There is room again when the process ends, before the next state is due.
+  fs::remove(aside.string() + "-" + std::to_string(getpid()));
+  store.finish(learner);
+  patch::OnlinePatchLearner at_last = fresh();
+  EXPECT_EQ(LearnerStore(folder(), 5.0).restore(at_last), scans_[119].run);
+  EXPECT_EQ(at_last.status().scans_seen, 120U);
 }
 
 TEST_F(LearnerStoreTest, KeepsTheScansUntilTheStateThatHoldsThemIsOnTheDisk) {
