@@ -90,15 +90,11 @@ void Building::look() {
   drawing_ = std::async(std::launch::async, read_lifts, folder_, names());
 }
 
-std::vector<std::size_t> Building::take() {
-  std::vector<std::size_t> taken;
-  for (std::size_t i = 0; i < levels_.size(); ++i) {
-    std::optional<LoadedMaps> loaded = levels_[i].source.take();
-    if (!loaded) continue;
-    levels_[i].maps = std::make_shared<const LoadedMaps>(std::move(*loaded));
-    taken.push_back(i);
-  }
-  return taken;
+bool Building::take(std::size_t i) {
+  std::optional<LoadedMaps> loaded = levels_[i].source.take();
+  if (!loaded) return false;
+  levels_[i].maps = std::make_shared<const LoadedMaps>(std::move(*loaded));
+  return true;
 }
 
 std::optional<std::vector<localization::Lift>> Building::take_lifts() {

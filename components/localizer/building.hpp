@@ -30,9 +30,9 @@ class Building {
   void load();
   /// Begins to load what others have activated, or drawn, since. Returns at once.
   void look();
-  /// The levels that have other maps since the last call, which they do not have without one.
-  /// Throws what loading them threw, once.
-  [[nodiscard]] std::vector<std::size_t> take();
+  /// Whether the level has other maps since the last call, which it does not have without one.
+  /// Throws what loading them threw, once; it has those from before then.
+  [[nodiscard]] bool take(std::size_t i);
   /// The lifts, where they were drawn anew since the last call. Throws InputError, once.
   [[nodiscard]] std::optional<std::vector<localization::Lift>> take_lifts();
 

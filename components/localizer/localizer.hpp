@@ -80,6 +80,7 @@ class Localizer final : public runtime::SensorComponent {
   /// Another level is the likeliest, or it has other maps.
   void use_level();
   void take_levels();
+  void take_level(std::size_t i);
   void offer_levels();
   void publish_level(Stamp stamp);
   void diagnose_level(runtime::Health& health) const;

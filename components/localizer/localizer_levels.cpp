@@ -51,18 +51,29 @@ void Localizer::use_level() {
 
 void Localizer::take_levels() {
   if (!building_) return;
-  try {
-    for (const std::size_t i : building_->take()) {
-      levels_->set_maps(i, building_->filter_maps_of(i));
-      if (i == levels_->level()) use_level();
-      say(runtime::LogLevel::kInfo, "has other maps of level " + building_->level(i).name + " now");
-      refused_maps_.clear();
+  std::string refused;
+  // What is in use is as good as it was; and one level's fault is not another's.
+  const auto take = [&](const auto& body) {
+    try {
+      body();
+    } catch (const std::exception& error) {
+      refused = std::string("newer maps or lifts are not used: ") + error.what();
+      tell(error);
     }
+  };
+  for (std::size_t i = 0; i < building_->size(); ++i) take([&] { take_level(i); });
+  take([&] {
     if (auto lifts = building_->take_lifts()) levels_->set_lifts(std::move(*lifts));
-  } catch (const std::exception& error) {  // what is in use is as good as it was
-    refused_maps_ = std::string("newer maps or lifts are not used: ") + error.what();
-    tell(error);
-  }
+  });
+  if (!refused.empty()) refused_maps_ = refused;
+}
+
+void Localizer::take_level(std::size_t i) {
+  if (!building_->take(i)) return;
+  levels_->set_maps(i, building_->filter_maps_of(i));
+  if (i == levels_->level()) use_level();
+  say(runtime::LogLevel::kInfo, "has other maps of level " + building_->level(i).name + " now");
+  refused_maps_.clear();
 }
 
 void Localizer::offer_levels() {
