@@ -2,8 +2,10 @@
 #include "components/runtime/sensor_component.hpp"
 
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
+#include "components/log/set_back_watch.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::runtime {
@@ -23,6 +25,7 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const s
   }
   input_.emplace(config, !lockstep());
   stamps_ = {};
+  newest_.reset();
   subscribe<tf2_msgs::msg::TFMessage>("/tf_static", "tf_static", [this](const auto& message) {
     input_->add(message);
     take_observations();
@@ -67,6 +70,7 @@ void SensorComponent::take_observations() {
   tell_warnings();
   for (const Observation& observation : observations) {
     if (lockstep() || stamps_.believes(observation.scan.stamp)) {
+      if (!lockstep()) watch_set_back(observation.scan.stamp);
       on_observation(observation);
     } else {
       tell(InputError("scan", "a stamp lies further than a minute ahead of the one before",
@@ -75,6 +79,16 @@ void SensorComponent::take_observations() {
   }
   for (const Observation& observation : observations) input_->watch_clock(observation);
   tell_warnings();
+}
+
+/// Mere disorder has been put in order.
+void SensorComponent::watch_set_back(Stamp stamp) {
+  const std::optional<Stamp> before = std::exchange(newest_, stamp);
+  const double by_s = before ? (*before - stamp).seconds() : 0.0;
+  if (by_s <= log::kMinSetBackS) return;
+  tell(InputError("scan", "the clock of the scans was set back",
+                  "keep clocks in step; what is learned goes on"));
+  on_clock_set_back(by_s);
 }
 
 void SensorComponent::diagnose_input(Health& health) const {

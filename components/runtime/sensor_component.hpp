@@ -23,11 +23,16 @@ class SensorComponent : public Component {
   void diagnose_input(Health& health) const;
   /// Each scan once, with its odometry and mounting, in order.
   virtual void on_observation(const Observation& observation) = 0;
+  /// Live: the scan that on_observation is called with next is `by_s` older than the last one, and
+  /// those that follow it are, too. It is told already.
+  virtual void on_clock_set_back(double by_s) { (void)by_s; }
 
  private:
   void take_observations();
+  void watch_set_back(Stamp stamp);
   std::optional<SensorInput> input_;
   StampWatch stamps_;
+  std::optional<Stamp> newest_;  ///< of the scans that went on
 };
 
 }  // namespace strata::runtime

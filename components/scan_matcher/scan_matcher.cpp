@@ -108,12 +108,20 @@ void ScanMatcher::on_deactivate() {
   saver_->flush();
 }
 
+/// Its map is gone on with as after a restart: in a new run, where the scan fits.
+void ScanMatcher::on_clock_set_back(double /*by_s*/) { is_restored_ = slam_->newest().has_value(); }
+
 void ScanMatcher::on_observation(const Observation& scanned) {
   Observation observation = scanned;
   const std::optional<Pose2> given = convert::take_given(given_, observation);
   if (is_restored_ && !resume(observation)) return;
   observation.run += first_run_;
+  const std::size_t skipped = slam_->skipped_scans();
   const Pose2Gaussian pose = slam_->add(observation, given ? &*given : nullptr);
+  if (!lockstep() && slam_->skipped_scans() > skipped) {  // it says nothing of where the robot is
+    publish_tf(observation.scan.stamp);
+    return;
+  }
   if (store_ && store_->is_due(observation.scan.stamp)) store_->write(slam_->save_state());
   is_lost_ = !lockstep() && slam_->newest() && !slam_->newest()->is_placed;
   if (is_lost_) return;  // the pose is in a frame of the run
@@ -139,11 +147,16 @@ void ScanMatcher::publish_scan_pose(const Observation& observation, const Pose2G
 void ScanMatcher::publish_pose(const Observation& observation, const Pose2Gaussian& pose) {
   publish_scan_pose(observation, pose);
   ++index_;
-  if (!config_.publish_tf || !observation.has_odometry) return;
+  if (!observation.has_odometry) return;
+  map_from_odom_ = pose.mean * inverse(observation.odom_from_robot);
+  publish_tf(observation.scan.stamp);
+}
+
+void ScanMatcher::publish_tf(Stamp stamp) {
+  if (!config_.publish_tf || !map_from_odom_) return;
   tf2_msgs::msg::TFMessage tf;
-  tf.transforms().push_back(convert::to_transform_stamped(
-      observation.scan.stamp, pose.mean * inverse(observation.odom_from_robot), config_.map_frame,
-      config_.odometry_frame));
+  tf.transforms().push_back(convert::to_transform_stamped(stamp, *map_from_odom_, config_.map_frame,
+                                                          config_.odometry_frame));
   publish_tf_(tf);
 }
 
@@ -174,6 +187,7 @@ void ScanMatcher::on_diagnose(runtime::Health& health) const {
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   if (is_lost_) health.warn("looks for its place in the map of the earlier runs");
   health.add("scans kept", static_cast<std::uint64_t>(slam_->kept_scans()));
+  health.add("scans left out", static_cast<std::uint64_t>(slam_->skipped_scans()));
   health.add("local maps kept", static_cast<std::uint64_t>(slam_->kept_local_maps()));
   if (store_) health.add_later("store_bytes", [this] { return log::stored_bytes(store_->file()); });
   if (!saver_) return;
@@ -192,6 +206,7 @@ void ScanMatcher::on_cleanup() {
   is_restored_ = false;
   waits_for_odometry_ = false;
   is_lost_ = false;
+  map_from_odom_.reset();
   first_run_ = 0;
   index_ = 0;
 }

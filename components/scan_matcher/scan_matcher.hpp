@@ -40,6 +40,7 @@ class ScanMatcher final : public runtime::SensorComponent {
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_diagnose(runtime::Health& health) const override;
   void on_observation(const Observation& observation) override;
+  void on_clock_set_back(double by_s) override;
   [[nodiscard]] bool learns() const override { return true; }
   void make_slam();
   void advertise_topics();
@@ -61,6 +62,8 @@ class ScanMatcher final : public runtime::SensorComponent {
   /// false when that cannot be told before odometry comes.
   [[nodiscard]] bool resume(const Observation& first);
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
+  /// Where odometry's frame is, as far as it is known.
+  void publish_tf(Stamp stamp);
   void publish_scan_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_result(const slam::SlamResult& result);
 
@@ -79,6 +82,7 @@ class ScanMatcher final : public runtime::SensorComponent {
   std::chrono::steady_clock::time_point saved_;
   std::optional<strata_msgs::msg::PatchMap> patches_;
   Observation last_;  ///< without its ranges
+  std::optional<Pose2> map_from_odom_;
   std::uint64_t index_ = 0;
   std::function<void(const strata_msgs::msg::ScanPose&)> publish_scan_pose_;
   std::function<void(const strata_msgs::msg::LabeledScan&)> publish_posed_scan_;

@@ -132,11 +132,19 @@ void TopologyMapper::on_observation(const Observation& scanned) {
   }
   if (restored_ && !resume(observation)) return;
   last_scan_ = observation.scan.stamp;
+  is_ahead_ = mapper_->newest() && mapper_->newest()->stamp > observation.scan.stamp;
   const std::size_t scans = mapper_->scans().size();
   std::vector<topology::MadeVisit> visits = mapper_->add(observation, given ? &*given : nullptr);
   if (store_ && mapper_->scans().size() > scans) store_->add(mapper_->scans().back());
   if (store_ && mapper_->newest()) store_->came_to(*mapper_->newest());
   update(std::move(visits));
+}
+
+/// Its answers are of visits in order of time.
+void TopologyMapper::on_clock_set_back(double by_s) {
+  tell(InputError("scan", "the clock was set back by " + std::to_string(by_s) + " s",
+                  "keep clocks in step; scans are left out of the topologies until the clock has "
+                  "passed the newest one"));
 }
 
 void TopologyMapper::update(std::vector<topology::MadeVisit> visits) {
@@ -194,6 +202,8 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
   diagnose_input(health);
   if (!mapper_) return;
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
+  if (is_ahead_)
+    health.warn("its newest scan is ahead of the clock; scans are left out until then");
   if (mapper_->is_full()) {
     health.warn(
         "the map is complete: its scans use keep.memory_mb, and no more are taken; raise "
@@ -228,6 +238,7 @@ void TopologyMapper::on_cleanup() {
   store_.reset();
   restored_.reset();
   waits_for_odometry_ = false;
+  is_ahead_ = false;
   mapper_.reset();
   given_.reset();
   last_scan_.reset();

@@ -35,6 +35,7 @@ class TopologyMapper final : public runtime::SensorComponent {
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_diagnose(runtime::Health& health) const override;
   void on_observation(const Observation& scanned) override;
+  void on_clock_set_back(double by_s) override;
   [[nodiscard]] bool learns() const override { return true; }
   void make_mapper();
   void open_store();
@@ -57,6 +58,7 @@ class TopologyMapper final : public runtime::SensorComponent {
   std::optional<MapperStore> store_;
   std::optional<topology::TrackedMoment> restored_;  ///< until the first scan comes
   bool waits_for_odometry_ = false;                  ///< to go on from there
+  bool is_ahead_ = false;                            ///< its newest scan, of the clock
   std::chrono::steady_clock::time_point flushed_;
   double update_s_ = 0.0;      ///< wall clock of the last landmark
   double max_update_s_ = 0.0;  ///< ... and of the slowest

@@ -191,6 +191,20 @@ TEST(TopologyMapper, WarnsThatItsMapIsCompleteWhenItsMemoryIsUsedUp) {
   EXPECT_THAT(robot.warning(), HasSubstr("keep.memory_mb"));
 }
 
+TEST(TopologyMapper, WarnsWhileItsNewestScanIsAheadOfAClockThatWasSetBack) {
+  Robot robot("mapping: {landmarks: {source: given}}");
+  std::vector<Moment> moments = there_and_back();
+  robot.drive(moments);
+  ASSERT_TRUE(robot.says("received /scan", std::to_string(moments.size())));
+  const std::size_t scans = moments.size();
+  moments.resize(20);
+  robot.drive(moments);
+  ASSERT_TRUE(robot.says("received /scan", std::to_string(scans + 20)));
+  EXPECT_THAT(robot.warning(), HasSubstr("ahead of the clock"));
+  EXPECT_THAT(robot.host().take_errors(),
+              testing::Contains(HasSubstr("the clock was set back by")));
+}
+
 TEST(TopologyMapper, NamesWhatItLeftOutOnDiagnostics) {
   Robot robot("mapping: {landmarks: {source: given}}");
   robot.mark(kThere9);
