@@ -29,12 +29,26 @@ void learn_period(Scanner& scanner, Duration step) {
 
 }  // namespace
 
-std::size_t ScanQueue::scanner_of(std::size_t topic, const std::string& frame) {
+bool ScanQueue::is_replaced(const Scanner& scanner) const {
+  const std::optional<Stamp>& newest = scanner.watch.newest();
+  return scanner.is_silent && newest &&
+         std::any_of(scanners_.begin(), scanners_.end(), [&](const Scanner& other) {
+           return other.topic == scanner.topic && other.first > *newest;
+         });
+}
+
+std::size_t ScanQueue::expected() const {
+  return static_cast<std::size_t>(
+      std::count_if(scanners_.begin(), scanners_.end(),
+                    [this](const Scanner& scanner) { return !is_replaced(scanner); }));
+}
+
+std::size_t ScanQueue::scanner_of(std::size_t topic, const std::string& frame, Stamp now) {
   const auto found = std::find_if(scanners_.begin(), scanners_.end(), [&](const Scanner& scanner) {
     return scanner.topic == topic && scanner.frame == frame;
   });
   if (found == scanners_.end()) {
-    scanners_.push_back({.topic = topic, .frame = frame});
+    scanners_.push_back({.topic = topic, .frame = frame, .first = now});
     return scanners_.size() - 1;
   }
   return static_cast<std::size_t>(found - scanners_.begin());
@@ -59,7 +73,7 @@ void ScanQueue::put(WaitingScan waiting) {
 void ScanQueue::add(std::size_t topic, log::SensedScan sensed,
                     const std::function<void(Stamp)>& set_back) {
   using Verdict = log::SetBackWatch::Verdict;
-  const std::size_t index = scanner_of(topic, sensed.frame);
+  const std::size_t index = scanner_of(topic, sensed.frame, sensed.scan.stamp);
   WaitingScan waiting{index, std::move(sensed), {}};
   waiting.end = log::end_of_sweep(waiting.sensed);
   if (!orders_) {

@@ -27,6 +27,7 @@ struct WaitingScan {
 struct Scanner {
   std::size_t topic = 0;
   std::string frame;
+  Stamp first;             ///< stamp of its first scan
   bool is_silent = false;  ///< it was waited for in vain, and has said nothing since
 
   log::SetBackWatch watch = {};
@@ -54,11 +55,16 @@ class ScanQueue {
   [[nodiscard]] bool is_next();
 
   [[nodiscard]] const std::vector<Scanner>& scanners() const { return scanners_; }
+  /// Whether a silent one goes on under another frame: its topic has one that began later.
+  /// O(scanners).
+  [[nodiscard]] bool is_replaced(const Scanner& scanner) const;
+  /// Scanners, but for those that are replaced. O(scanners squared).
+  [[nodiscard]] std::size_t expected() const;
   /// Scans that came after younger ones had gone on; they were dropped.
   [[nodiscard]] std::size_t late() const { return late_; }
 
  private:
-  [[nodiscard]] std::size_t scanner_of(std::size_t topic, const std::string& frame);
+  [[nodiscard]] std::size_t scanner_of(std::size_t topic, const std::string& frame, Stamp now);
   void put(WaitingScan waiting);
 
   bool orders_;

@@ -71,6 +71,7 @@ void SensorInput::add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2&
     warn(config_.odometry_topic + ": a pose is not finite; it is passed over");
     return;
   }
+  silence_.hear_odometry();
   // What waits by the old clock goes on with what was known then.
   const auto set_back = [&](Stamp first) {
     if (!waits_ || source().odometry != &odometry) return;
@@ -116,8 +117,10 @@ void SensorInput::add(const sensor_msgs::msg::PointCloud2& cloud, std::size_t to
 }
 
 void SensorInput::add_sensed(log::SensedScan sensed, std::size_t topic) {
+  silence_.hear_scan(sensed.scan.stamp);
   queue_.add(topic, std::move(sensed), [this](Stamp first) {
     while (queue_.size() > 0) release();
+    silence_.hear_odometry();  // it is waited for anew
     clock_.begin_anew();
     // Odometry by the old clock would answer for moments of long ago.
     const Stamp old = first + Duration::from_seconds(log::kMinSetBackS);
@@ -159,8 +162,7 @@ bool SensorInput::lacks_odometry(const Source& source) const {
 }
 
 bool SensorInput::has_waited_long(const WaitingScan& oldest) const {
-  const std::size_t most =
-      static_cast<std::size_t>(config_.max_waiting_scans) * queue_.scanners().size();
+  const std::size_t most = static_cast<std::size_t>(config_.max_waiting_scans) * queue_.expected();
   if (queue_.size() <= most) return false;
   const Source from = source();
   if (has_mounting(oldest, from) && !lacks_odometry(from)) return true;
@@ -175,10 +177,22 @@ void SensorInput::give_up(const WaitingScan& waiting) {
   const Source from = source();
   if (!has_mounting(waiting, from)) assumed_.insert(queue_.scanners()[waiting.scanner].frame);
   if (lacks_odometry(from)) {
-    is_without_odometry_ = true;
-    warn("no odometry comes on " + config_.odometry_topic +
-         (config_.tf_odometry_frame.empty() ? "" : " or /tf") + "; scans go on without it");
+    give_up_odometry("no odometry comes on ");
+  } else if (!has_odometry_for(waiting, from) &&
+             silence_.has_lasted(config_.first_wait_s, queue_.back().stamp())) {
+    // What is on /tf, and was passed over for it, counts from now on.
+    has_odometry_topic_ = false;
+    topic_odometry_ = {};
+    moving_.clear();
+    clock_.begin_anew();
+    give_up_odometry("odometry has stopped on ");
   }
+}
+
+void SensorInput::give_up_odometry(const std::string& what) {
+  is_without_odometry_ = true;
+  warn(what + config_.odometry_topic + (config_.tf_odometry_frame.empty() ? "" : " or /tf") +
+       "; scans go on without it");
 }
 
 std::vector<Observation> SensorInput::take() {
@@ -231,7 +245,7 @@ void SensorInput::diagnose(Health& health) const {
     if (assumed_.count(scanner.frame) != 0 && !frames_.mounting(scanner.frame, from.child)) {
       health.warn(frames_.missing_mounting(scanner.frame, from.child));
     }
-    if (scanner.is_silent) {
+    if (scanner.is_silent && !queue_.is_replaced(scanner)) {
       health.warn(config_.all_scan_topics()[scanner.topic] + " is silent; the others go on");
     }
   }

@@ -17,6 +17,7 @@
 #include "components/runtime/diagnostics.hpp"
 #include "components/runtime/live_odometry.hpp"
 #include "components/runtime/odometry_clock_watch.hpp"
+#include "components/runtime/odometry_silence.hpp"
 #include "components/runtime/scan_queue.hpp"
 #include "components/runtime/sensor_input_config.hpp"
 #include "core/scan/scan.hpp"
@@ -29,8 +30,9 @@ namespace strata::runtime {
 /// until odometry has reached the end of its sweep, its mounting is known, and no other scanner is
 /// expected to send an older one; when too many wait, the oldest goes on without. A mounting, or
 /// odometry, that nobody has published is waited for longer (first_wait_s), then told once and
-/// waited for no more. Odometry stamped late or early against the scans (odometry_lag_s) is noticed
-/// by their turns, told, and corrected from then on.
+/// waited for no more; so is odometry that stops, until it comes again on whatever topic. Odometry
+/// stamped late or early against the scans (odometry_lag_s) is noticed by their turns, told, and
+/// corrected from then on.
 class SensorInput {
  public:
   /// waits: false in lockstep, where everything that belongs to a scan came before it.
@@ -81,6 +83,7 @@ class SensorInput {
   [[nodiscard]] bool lacks_odometry(const Source& source) const;
   [[nodiscard]] bool has_waited_long(const WaitingScan& oldest) const;
   void give_up(const WaitingScan& waiting);
+  void give_up_odometry(const std::string& what);
   void release();
 
   SensorInputConfig config_;
@@ -93,7 +96,8 @@ class SensorInput {
   std::map<std::string, LiveOdometry> moving_;  ///< from /tf, by child of the odometry frame
   double lag_s_ = 0.0;                          ///< taken off odometry's stamps
   OdometryClockWatch clock_;
-  bool is_without_odometry_ = false;  ///< nobody published any when it was due
+  OdometrySilence silence_;
+  bool is_without_odometry_ = false;  ///< nobody published any when it was due, or it stopped
   std::set<std::string> assumed_;     ///< frames without a mounting when it was due
   std::vector<Observation> ready_;
   std::set<std::string> told_;

@@ -79,7 +79,8 @@ struct SensorInputConfig {
     v.field("first_wait_s", c.first_wait_s,
             {.doc = "odometry and mountings that nobody has published yet are waited for at least "
                     "this long by the scans' stamps, or until ten times max_waiting_scans wait: "
-                    "at a start scans may be heard before the rest is",
+                    "at a start scans may be heard before the rest is. Odometry that stops for as "
+                    "long is waited for no more until it comes again",
              .unit = "s",
              .min = 0.0});
   }

@@ -90,6 +90,96 @@ TEST(SensorInput, AMissingMountingIsWaitedForOnceAndTakenWhenItComes) {
   EXPECT_EQ(mended.level(), HealthLevel::kOk) << mended.message();
 }
 
+TEST(SensorInput, OdometryThatStopsIsWaitedForNoMoreUntilItComesAgain) {
+  SensorInput input({}, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  input.add(odometry(1.0, {}));
+  std::size_t taken = 0;
+  int waiting = 0;
+  for (int i = 0; i < 100; ++i) {
+    input.add(scan(1.0 + 0.1 * i));
+    taken += input.take().size();
+    waiting = i + 1 - static_cast<int>(taken);
+    if (i == 45) {
+      EXPECT_EQ(waiting, 20) << "it may come late";
+    }
+  }
+  EXPECT_EQ(waiting, 0);
+  EXPECT_THAT(input.take_warnings(), ElementsAre(HasSubstr("odometry has stopped on odom or /tf")));
+  Health health;
+  input.diagnose(health);
+  EXPECT_THAT(health.message(), HasSubstr("no odometry comes; scans go on without it"));
+
+  input.add(odometry(11.0, {1.0, 0.0, 0.0}));
+  input.add(scan(11.1));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(odometry(11.2, {1.2, 0.0, 0.0}));
+  const auto observations = input.take();
+  ASSERT_THAT(observations, SizeIs(1));
+  EXPECT_NEAR(observations[0].odom_from_robot.x, 1.1, 1e-9);
+  Health mended;
+  input.diagnose(mended);
+  EXPECT_EQ(mended.level(), HealthLevel::kOk) << mended.message();
+}
+
+// A robot whose wheels' driver dies, and whose filter goes on on /tf.
+TEST(SensorInput, OdometryOnTfCountsOnceTheTopicHasStopped) {
+  SensorInput input({}, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  input.add(odometry(1.0, {}));
+  std::vector<Observation> taken;
+  for (int i = 0; i < 100; ++i) {
+    const double now_s = 1.0 + 0.1 * i;
+    input.add_moving(link(now_s, "odom", "base_link", {now_s, 0.0, 0.0}));
+    input.add(scan(now_s));
+    for (Observation& observation : input.take()) taken.push_back(std::move(observation));
+  }
+  ASSERT_FALSE(taken.empty());
+  EXPECT_EQ(taken.back().scan.stamp, at(10.9));
+  ASSERT_TRUE(taken.back().has_odometry);
+  EXPECT_NEAR(taken.back().odom_from_robot.x, 10.9, 1e-9);
+}
+
+// Odometry by a clock of its own is useless, and comes all the same.
+TEST(SensorInput, OdometryThatComesByAClockFarBehindHasNotStopped) {
+  SensorInput input({}, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  for (int i = 0; i < 100; ++i) {
+    input.add(odometry(1.0 + 0.1 * i, {}));
+    input.add(scan(1000.0 + 0.1 * i));
+    (void)input.take();
+  }
+  EXPECT_THAT(input.take_warnings(), IsEmpty());
+}
+
+TEST(SensorInput, AScannerThatComesBackUnderAnotherFrameIsNotSilent) {
+  SensorInput input({}, true);
+  const auto is_silent = [&] {
+    Health health;
+    input.diagnose(health);
+    return health.message().find("is silent") != std::string::npos;
+  };
+  input.add(link(0.0, "base_link", "laser", {}));
+  input.add(link(0.0, "base_link", "laser_2", {}));
+  const auto drive = [&](double from_s, double to_s, const std::string& frame) {
+    for (double now_s = from_s; now_s < to_s; now_s += 0.1) {
+      input.add(odometry(now_s, {}));
+      input.add(scan(now_s, frame));
+      (void)input.take();
+    }
+  };
+  drive(1.0, 2.0, "laser");
+  drive(3.0, 6.0, "laser_2");
+  EXPECT_FALSE(is_silent());
+  // Of two that spoke together the one that falls silent is missed.
+  for (double now_s = 6.0; now_s < 7.0; now_s += 0.1) {
+    drive(now_s, now_s + 0.01, "laser");
+    drive(now_s + 0.02, now_s + 0.03, "laser_2");
+  }
+  drive(7.0, 9.0, "laser_2");
+  EXPECT_TRUE(is_silent());
+}
+
 // At a start the reader of odometry may meet its writer later than the scans' reader theirs.
 TEST(FirstScans, OfAFastScannerInABurstWaitForTheirOdometry) {
   SensorInput input({}, true);
