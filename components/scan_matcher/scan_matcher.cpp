@@ -119,7 +119,7 @@ void ScanMatcher::on_observation(const Observation& scanned) {
   const std::size_t skipped = slam_->skipped_scans();
   const Pose2Gaussian pose = slam_->add(observation, given ? &*given : nullptr);
   if (!lockstep() && slam_->skipped_scans() > skipped) {  // it says nothing of where the robot is
-    publish_tf(observation.scan.stamp);
+    if (observation.has_odometry) publish_tf(observation.scan.stamp);
     return;
   }
   if (store_ && store_->is_due(observation.scan.stamp)) store_->write(slam_->save_state());
