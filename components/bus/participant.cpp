@@ -128,17 +128,29 @@ std::map<std::string, PublishedTopic> Participant::published_topics() const {
 }
 
 std::map<std::string, PublishedTopic> Participant::State::offers() const {
+  const auto is_readable = [this](const DiscoveredEndpoint& endpoint) {
+    const auto used = topics.find(endpoint.wire_topic);
+    return used == topics.end() || used->second->get_type_name() == endpoint.wire_type;
+  };
+  const Guid own = to_guid(participant->guid());
   std::map<std::string, PublishedTopic> result;
-  for (const auto& [guid, endpoint] : endpoints) {
+  const auto add = [&](const DiscoveredEndpoint& endpoint) {
     const std::string topic = topic_from_wire(endpoint.wire_topic);
     const std::string type = type_from_wire(endpoint.wire_type);
-    if (!endpoint.writes || topic.empty() || type.empty()) continue;
-    const PublishedTopic offered{type, endpoint.reliable, endpoint.transient_local};
+    if (!endpoint.writes || topic.empty() || type.empty()) return;
+    const bool is_own = same_participant(endpoint.guid, own);
+    const PublishedTopic offered{type, endpoint.reliable, endpoint.transient_local, is_own};
     const auto [entry, is_first] = result.insert({topic, offered});
-    if (is_first) continue;
     PublishedTopic& published = entry->second;
+    if (is_first || published.type != type) return;
     published.reliable = published.reliable && offered.reliable;
     published.transient_local = published.transient_local && offered.transient_local;
+    published.is_own = published.is_own || offered.is_own;
+  };
+  for (const bool is_wanted : {true, false}) {
+    for (const auto& [guid, endpoint] : endpoints) {
+      if (is_readable(endpoint) == is_wanted) add(endpoint);
+    }
   }
   return result;
 }
@@ -197,6 +209,7 @@ dds::Topic* Participant::State::topic(const TopicName& name, const std::string& 
     topics.erase(entry);
     throw OutputError(name.full, "the topic cannot be made", "check its name and type " + type);
   }
+  offers_now.reset();  // what it can read of the topic has changed
   return entry->second;
 }
 

@@ -51,11 +51,13 @@ struct ParticipantOptions {
   SecurityOptions security;               ///< with kAlone never used
 };
 
-/// What the writers of a topic offer.
+/// What the writers of a topic offer. Where they do not agree on a type: those of the type that
+/// this participant has it with, which is the only one that it can read.
 struct PublishedTopic {
   std::string type;              ///< "sensor_msgs/msg/LaserScan"
   bool reliable = false;         ///< all of them
   bool transient_local = false;  ///< all of them
+  bool is_own = false;           ///< one of them is this participant's
 };
 
 /// Discovers others and owns the middleware's entities. Thread safe.
