@@ -83,13 +83,25 @@ void IncidentRecorder::on_configure() {
   for (std::string& topic : config_.topics) topic = resolve(topic);
   watch(runtime::kDiagnosticsTopic,
         {bus::MessageType<diagnostic_msgs::msg::DiagnosticArray>::name, true, false});
+  // That this process cannot read what it writes itself is its composition's fault.
+  for (const auto& [topic, published] : topics_to_keep()) {
+    if (published.is_own) watch(topic, published);
+  }
   watch_topics();
 }
 
+std::map<std::string, bus::PublishedTopic> IncidentRecorder::topics_to_keep() const {
+  return bus::topics_to_record(*context().participant, full_name(), config_.topics,
+                               bus::HiddenTopics::kTaken);
+}
+
 void IncidentRecorder::watch_topics() {
-  const auto topics = bus::topics_to_record(*context().participant, full_name(), config_.topics,
-                                            bus::HiddenTopics::kTaken);
-  for (const auto& [topic, published] : topics) watch(topic, published);
+  const auto topics = topics_to_keep();
+  unreadable_.keep_only(topics);
+  for (const auto& [topic, published] : topics) {
+    if (topics_kept_.contains(topic)) continue;
+    (void)unreadable_.read(topic, published, [&] { watch(topic, published); });
+  }
 }
 
 void IncidentRecorder::watch(const std::string& topic, const bus::PublishedTopic& published) {
@@ -177,7 +189,7 @@ void IncidentRecorder::settle() {
 }
 
 void IncidentRecorder::on_tick() {
-  watch_topics();
+  guarded([&] { watch_topics(); });  // an incident ends whatever comes of it
   const Clock::time_point now = Clock::now();
   ring_->forget(now);
   if (incident_ && now >= ends_at_) incident_->end();
@@ -195,6 +207,7 @@ void IncidentRecorder::on_cleanup() {
   incident_.reset();
   next_.reset();
   topics_kept_.clear();
+  unreadable_.clear();
   restore_points_.clear();
   ring_.reset();
   triggers_.reset();
@@ -202,6 +215,7 @@ void IncidentRecorder::on_cleanup() {
 
 void IncidentRecorder::on_diagnose(runtime::Health& health) const {
   if (!ring_) return;
+  unreadable_.tell(health);
   health.add("incidents", incidents_);
   health.add("is writing one", std::string(incident_ ? "true" : "false"));
   health.add("kept in memory, MB", static_cast<double>(ring_->bytes()) / kBytesPerMb);

@@ -16,6 +16,7 @@
 #include "components/incident_recorder/incident_triggers.hpp"
 #include "components/incident_recorder/message_ring.hpp"
 #include "components/runtime/component.hpp"
+#include "components/runtime/unreadable_topics.hpp"
 
 namespace strata::incident_recorder {
 
@@ -37,6 +38,8 @@ class IncidentRecorder final : public runtime::Component {
   void on_deactivate() override;
   void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;
+  [[nodiscard]] std::map<std::string, bus::PublishedTopic> topics_to_keep() const;
+  /// Those that can be read.
   void watch_topics();
   void watch(const std::string& topic, const bus::PublishedTopic& published);
   void take(const std::shared_ptr<const KeptTopic>& topic, const bus::RawMessage& message);
@@ -51,6 +54,9 @@ class IncidentRecorder final : public runtime::Component {
 
   IncidentRecorderConfig config_;
   std::map<std::string, std::shared_ptr<const KeptTopic>> topics_kept_;
+  runtime::UnreadableTopics unreadable_{[this](const std::string& line) {
+    if (context().on_error) context().on_error(full_name() + ": " + line);
+  }};
   std::optional<MessageRing> ring_;
   std::map<std::string, KeptMessagePtr> restore_points_;  ///< the last of each topic
   std::optional<IncidentTriggers> triggers_;

@@ -113,7 +113,9 @@ void LiveView::on_tick() {
 }
 
 void LiveView::offer_topics() {
-  for (const auto& [topic, published] : context().participant->published_topics()) {
+  const auto topics = context().participant->published_topics();
+  unreadable_.keep_only(topics);
+  for (const auto& [topic, published] : topics) {
     if (topic.starts_with("/strata_lockstep/") || bus::is_hidden(topic)) continue;
     const auto [entry, is_new] = channels_.try_emplace(topic, 0);
     if (!is_new) continue;
@@ -144,17 +146,19 @@ void LiveView::read_what_is_wanted() {
   }
   for (const std::uint32_t channel : wanted) {
     Offered& offered = offered_.at(channel);
-    if (std::exchange(offered.is_read, true)) continue;
+    if (offered.is_read) continue;
     bus::QosProfile qos = bus::qos_profile("sensor_data");
     qos.reliable = offered.latched;
     qos.transient_local = offered.latched;
     qos.depth = kDepth;
-    subscribe_raw(
-        offered.topic, offered.type, qos, [hub = hub_, channel](const bus::RawMessage& message) {
-          hub->publish(channel, std::make_shared<const ViewMessage>(
-                                    ViewMessage{static_cast<std::uint64_t>(message.source_stamp_ns),
-                                                message.identity.writer, message.cdr}));
-        });
+    const auto give = [hub = hub_, channel](const bus::RawMessage& message) {
+      hub->publish(channel, std::make_shared<const ViewMessage>(
+                                ViewMessage{static_cast<std::uint64_t>(message.source_stamp_ns),
+                                            message.identity.writer, message.cdr}));
+    };
+    offered.is_read = unreadable_.read(
+        offered.topic, {offered.type, offered.latched, offered.latched},
+        [&] { subscribe_raw(offered.topic, offered.type, qos, give); });
   }
 }
 
@@ -233,6 +237,7 @@ void LiveView::on_cleanup() {
   hub_.reset();
   channels_.clear();
   offered_.clear();
+  unreadable_.clear();
   has_site_ = false;
   has_levels_ = false;
   saver_.clear();
@@ -242,6 +247,7 @@ void LiveView::on_cleanup() {
 void LiveView::on_diagnose(runtime::Health& health) const {
   if (!server_) return;
   const ViewHub::Counts counts = hub_->counts();
+  unreadable_.tell(health);
   health.add("url", server_->url());
   health.add("viewers", std::uint64_t{counts.viewers});
   health.add("messages_sent", counts.sent);

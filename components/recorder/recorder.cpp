@@ -74,9 +74,13 @@ void Recorder::on_configure() {
     topic = resolve(topic.substr(0, colon));
     if (type.empty()) continue;
     const auto found = published.find(topic);
+    const bool is_offered = found != published.end() && found->second.type == type;
     // Nobody may publish it yet: best effort and volatile, which matches every writer.
-    record(topic,
-           found == published.end() ? bus::PublishedTopic{type, false, false} : found->second);
+    record(topic, is_offered ? found->second : bus::PublishedTopic{type, false, false});
+  }
+  // That this process cannot read what it writes itself is its composition's fault.
+  for (const auto& [topic, offered] : topics_to_record()) {
+    if (offered.is_own) record(topic, offered);
   }
   record_what_is_published();
 }
@@ -170,11 +174,20 @@ void Recorder::write_bag(const std::function<void()>& write) {
   if (problem && !(was_stuck && gap.lasts)) throw *problem;
 }
 
+std::map<std::string, bus::PublishedTopic> Recorder::topics_to_record() const {
+  return bus::topics_to_record(*context().participant, full_name(), config_.topics);
+}
+
 void Recorder::record_what_is_published() {
-  const auto topics = bus::topics_to_record(*context().participant, full_name(), config_.topics);
+  const auto topics = topics_to_record();
+  unreadable_.keep_only(topics);
   for (const auto& [topic, published] : topics) {
-    record(topic, published);
-    place_of(topic, &published);
+    if (unreadable_.read(topic, published, [&] { record(topic, published); })) {
+      place_of(topic, &published);
+    } else {
+      misses_more_ = true;
+      is_whole_ = false;
+    }
   }
 }
 
@@ -182,8 +195,13 @@ void Recorder::record(const std::string& topic, const bus::PublishedTopic& publi
   const auto [entry, is_new] = recorded_.try_emplace(topic, Recorded{published.type});
   entry->second.latched = entry->second.latched || published.transient_local;
   if (!is_new) return;
-  subscribe_raw(topic, published.type, bus::qos_to_record(published),
-                [this, topic](const bus::RawMessage& message) { take(topic, message); });
+  try {
+    subscribe_raw(topic, published.type, bus::qos_to_record(published),
+                  [this, topic](const bus::RawMessage& message) { take(topic, message); });
+  } catch (...) {
+    recorded_.erase(entry);  // it may be tried again
+    throw;
+  }
 }
 
 std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTopic* offered) {
@@ -250,6 +268,7 @@ void Recorder::on_deactivate() {
 
 void Recorder::on_diagnose(runtime::Health& health) const {
   if (!bag_) return;
+  unreadable_.tell(health);
   const log::BagGap gap = bag_->gap();
   if (gap.lasts) health.fail(config_.out + ": cannot be written; free some space");
   health.add("lost on a full disk", static_cast<std::uint64_t>(gap.lost));
@@ -258,6 +277,7 @@ void Recorder::on_diagnose(runtime::Health& health) const {
 void Recorder::on_cleanup() {
   bag_.reset();
   recorded_.clear();
+  unreadable_.clear();
   held_.clear();
   is_stuck_ = false;
   misses_more_ = false;

@@ -16,6 +16,7 @@
 #include "components/log/bag.hpp"
 #include "components/recorder/config.hpp"
 #include "components/runtime/component.hpp"
+#include "components/runtime/unreadable_topics.hpp"
 
 namespace strata::recorder {
 
@@ -58,6 +59,8 @@ class Recorder final : public runtime::Component {
   /// Offers the services.
   void serve();
   void take_paused(bool paused);
+  [[nodiscard]] std::map<std::string, bus::PublishedTopic> topics_to_record() const;
+  /// What of it can be read.
   void record_what_is_published();
   void record(const std::string& topic, const bus::PublishedTopic& published);
   void take(const std::string& topic, const bus::RawMessage& message);
@@ -76,8 +79,11 @@ class Recorder final : public runtime::Component {
   RecorderConfig config_;
   std::unique_ptr<log::BagWriter> bag_;
   std::map<std::string, Recorded> recorded_;  ///< by topic
-  std::list<Held> held_;                      ///< latched, while paused; in the order they came
-  std::optional<Stamp> log_time_;             ///< lockstep
+  runtime::UnreadableTopics unreadable_{[this](const std::string& line) {
+    if (context().on_error) context().on_error(full_name() + ": " + line);
+  }};
+  std::list<Held> held_;           ///< latched, while paused; in the order they came
+  std::optional<Stamp> log_time_;  ///< lockstep
   std::chrono::steady_clock::time_point flushed_;
   bool is_stuck_ = false;     ///< as told
   bool misses_more_ = false;  ///< what no full disk explains

@@ -121,6 +121,32 @@ TEST_F(LiveViewTest, IsNotHeldUpByAViewerThatDoesNotRead) {
   EXPECT_LT(read, 900) << "older ones were left out";
 }
 
+TEST(LiveViewTopics, AreReadThoughOneOfThemCannotBe) {
+  const auto robot = test::make_participant();
+  const auto own = test::make_participant();
+  const auto other = bus::qos_profile("default");
+  const bus::Reader<LaserScan> odd_too(own, "/a_odd", other, [](auto) {});  // with another type
+  const bus::RawWriter odd(robot, "/a_odd", "std_msgs/msg/String", other);
+  const bus::RawWriter scans(robot, "/scan", bus::MessageType<LaserScan>::name, other);
+  ASSERT_TRUE(test::comes_true([&] {
+    const auto topics = own->published_topics();
+    return topics.contains("/a_odd") && topics.contains("/scan");
+  }));
+  runtime::Registry registry;
+  register_component(registry);
+  const auto host = test::make_host(
+      "{type: strata::LiveView, name: view, parameters: {port: 0, keep_newest: true}}", registry,
+      own);
+  host->activate();
+  EXPECT_TRUE(test::comes_true([&] {
+    host->tick();
+    return scans.wait_for_readers(1, std::chrono::milliseconds(0));
+  }));
+  EXPECT_EQ(host->components().front()->counts().skipped, 0U) << "no failure of its own";
+  host->stop();
+  EXPECT_THAT(host->take_errors(), testing::ElementsAre(testing::HasSubstr("cannot read /a_odd")));
+}
+
 TEST(LiveViewSettings, WantATokenAndTlsForOtherMachines) {
   runtime::Registry registry;
   register_component(registry);

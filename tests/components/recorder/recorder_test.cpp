@@ -12,6 +12,7 @@
 #include "components/runtime/parameters.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/recorder/recorder_fixture.hpp"
+#include "tests/support/comes_true.hpp"
 
 namespace strata::recorder {
 namespace {
@@ -70,6 +71,42 @@ TEST_P(RecorderStorage, KeepsOnlyTheTopicsItWasAskedFor) {
                                        {"/late", {convert::to_cdr(numbered(3))}}}));
 }
 
+TEST_P(RecorderStorage, RecordsTheOthersWhereATopicCannotBeRead) {
+  const auto stranger = test::make_participant();
+  const auto sees = [&](const std::string& topic) {
+    return test::comes_true([&] { return participant_->published_topics().contains(topic); });
+  };
+  // This process has both with another type; one is there before the recorder, one comes later.
+  const bus::Reader<sensor_msgs::msg::LaserScan> own(participant_, "/a_odd",
+                                                     bus::qos_profile("default"), [](auto) {});
+  const bus::Reader<sensor_msgs::msg::LaserScan> late_own(participant_, "/b_odd",
+                                                          bus::qos_profile("default"), [](auto) {});
+  const bus::RawWriter odd(stranger, "/a_odd", "std_msgs/msg/String", bus::qos_profile("default"));
+  ASSERT_TRUE(sees("/a_odd"));
+  auto scans = writer("/scan", "default");
+  const auto host = make(", topics: [/a_odd, /b_odd, /scan, /z]");
+  host->activate();
+  const auto& recorder = dynamic_cast<const Recorder&>(*host->components().front());
+  EXPECT_FALSE(recorder.is_whole());
+  const bus::RawWriter late_odd(stranger, "/b_odd", "std_msgs/msg/String",
+                                bus::qos_profile("default"));
+  ASSERT_TRUE(sees("/b_odd"));
+  auto behind = writer("/z", "default");
+  host->tick();
+  (void)call<bus::srv::IsPaused>("is_paused");  // after the tick
+  scans.publish(numbered(1));
+  behind.publish(numbered(2));
+  host->stop();
+  EXPECT_THAT(host->take_errors(), testing::ElementsAre(testing::HasSubstr("cannot read /a_odd"),
+                                                        testing::HasSubstr("cannot read /b_odd")));
+  EXPECT_EQ(read_bag(bag()), (Messages{{"/scan", {convert::to_cdr(numbered(1))}},
+                                       {"/z", {convert::to_cdr(numbered(2))}}}));
+  const auto reader = log::BagReader::open(bag());
+  for (const log::BagTopic& topic : reader->topics()) {
+    EXPECT_THAT(topic.name, testing::Not(testing::HasSubstr("odd")));
+  }
+}
+
 TEST_P(RecorderStorage, KeepsTheQosThatTheWritersOffer) {
   auto scans = writer("/scan", "sensor_data");
   auto map = writer("/latched", "latched");
@@ -88,16 +125,6 @@ TEST_P(RecorderStorage, KeepsTheQosThatTheWritersOffer) {
   EXPECT_EQ(offered.at("/scan"), std::pair(2, 2));
   EXPECT_EQ(offered.at("/latched"), std::pair(1, 1));
   EXPECT_EQ(offered.at("/late"), std::pair(1, 2));
-}
-
-TEST_P(RecorderStorage, BeginsAnotherFileWhenOneIsLargeEnough) {
-  auto scans = writer("/scan", "default");
-  const auto host = make(", split_mb: 0.002");
-  host->activate();
-  for (int i = 0; i < 20; ++i) scans.publish(numbered(i));
-  host->stop();
-  EXPECT_GT(std::distance(std::filesystem::directory_iterator(bag()), {}), 3);
-  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 20U);
 }
 
 TEST_P(RecorderStorage, GoesOnInTheSameBagWhenItIsActivatedAgain) {
@@ -155,20 +182,6 @@ TEST_P(RecorderStorage, StoresAsItWasAskedTo) {
   EXPECT_EQ(read_bag(bag()).at("/scan").size(), 100U);
 }
 
-TEST_P(RecorderStorage, BeginsAnotherFileWhenOneSpansTheTime) {
-  auto scans = writer("/scan", "default");
-  const auto host =
-      make(", split_s: 1e-9, topics: [/scan]");  // less than any two messages are apart
-  host->activate();
-  for (int i = 0; i < 10; ++i) scans.publish(numbered(i));
-  host->stop();
-  const YAML::Node files =
-      YAML::LoadFile((bag() / "metadata.yaml").string())["rosbag2_bagfile_information"]["files"];
-  ASSERT_EQ(files.size(), 10U);
-  for (const YAML::Node& file : files) EXPECT_EQ(file["message_count"].as<int>(), 1);
-  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 10U);
-}
-
 TEST_P(RecorderStorage, LeavesAnothersBagAloneWhenItIsToldToRecordThere) {
   auto scans = writer("/scan", "default");
   const auto host = make(", topics: [/scan]");
@@ -204,25 +217,6 @@ TEST_P(RecorderStorage, LeavesAnothersBagAloneWhenItIsToldToRecordThere) {
     EXPECT_EQ(read_bag(folder), (Messages{{"/scan", {convert::to_cdr(numbered(++number))}}}));
   }
   EXPECT_FALSE(std::filesystem::exists(anothers.string() + "_2"));
-}
-
-TEST_P(RecorderStorage, BeginsAnotherFileWhenItIsAskedTo) {
-  auto scans = writer("/scan", "default");
-  const auto host = make(", topics: [/scan]");
-  host->activate();
-  for (const int number : {1, 2, 3}) {
-    scans.publish(numbered(number));
-    call<bus::srv::SplitBagfile>("split_bagfile");
-    call<bus::srv::SplitBagfile>("split_bagfile");  // nothing has come that would need a file
-  }
-  scans.publish(numbered(4));
-  host->stop();
-  EXPECT_TRUE(host->take_errors().empty());
-  const YAML::Node info =
-      YAML::LoadFile((bag() / "metadata.yaml").string())["rosbag2_bagfile_information"];
-  ASSERT_EQ(info["files"].size(), 4U);
-  for (const YAML::Node& file : info["files"]) EXPECT_EQ(file["message_count"].as<int>(), 1);
-  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 4U);
 }
 
 /// The process works there while it lives.

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+/// When a recorder begins another file of its bag.
+#include <chrono>
+#include <filesystem>
+#include <iterator>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include "tests/components/recorder/recorder_fixture.hpp"
+
+namespace strata::recorder {
+namespace {
+
+TEST_P(RecorderStorage, BeginsAnotherFileWhenOneIsLargeEnough) {
+  auto scans = writer("/scan", "default");
+  const auto host = make(", split_mb: 0.002");
+  host->activate();
+  for (int i = 0; i < 20; ++i) scans.publish(numbered(i));
+  host->stop();
+  EXPECT_GT(std::distance(std::filesystem::directory_iterator(bag()), {}), 3);
+  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 20U);
+}
+
+TEST_P(RecorderStorage, BeginsAnotherFileWhenOneSpansTheTime) {
+  auto scans = writer("/scan", "default");
+  const auto host =
+      make(", split_s: 1e-9, topics: [/scan]");  // less than any two messages are apart
+  host->activate();
+  for (int i = 0; i < 10; ++i) scans.publish(numbered(i));
+  host->stop();
+  const YAML::Node files =
+      YAML::LoadFile((bag() / "metadata.yaml").string())["rosbag2_bagfile_information"]["files"];
+  ASSERT_EQ(files.size(), 10U);
+  for (const YAML::Node& file : files) EXPECT_EQ(file["message_count"].as<int>(), 1);
+  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 10U);
+}
+
+TEST_P(RecorderStorage, BeginsAnotherFileWhenItIsAskedTo) {
+  auto scans = writer("/scan", "default");
+  const auto host = make(", topics: [/scan]");
+  host->activate();
+  for (const int number : {1, 2, 3}) {
+    scans.publish(numbered(number));
+    call<bus::srv::SplitBagfile>("split_bagfile");
+    call<bus::srv::SplitBagfile>("split_bagfile");  // nothing has come that would need a file
+  }
+  scans.publish(numbered(4));
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  const YAML::Node info =
+      YAML::LoadFile((bag() / "metadata.yaml").string())["rosbag2_bagfile_information"];
+  ASSERT_EQ(info["files"].size(), 4U);
+  for (const YAML::Node& file : info["files"]) EXPECT_EQ(file["message_count"].as<int>(), 1);
+  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 4U);
+}
+
+}  // namespace
+}  // namespace strata::recorder
