@@ -44,6 +44,12 @@ void add(const KeystoreOptions& options, VerbContext& context) {
   }
 }
 
+/// Whether a component reads what it finds as it goes.
+bool finds_topics(const std::string& type) {
+  return type == "strata::Recorder" || type == "strata::IncidentRecorder" ||
+         type == "strata::LiveView";
+}
+
 /// What the components of a composition read and write, their services included.
 security::Permissions permissions_of(const runtime::Composition& composition) {
   security::Permissions permissions;
@@ -52,10 +58,9 @@ security::Permissions permissions_of(const runtime::Composition& composition) {
     auto& topics = endpoint.writes ? permissions.publish : permissions.subscribe;
     topics.push_back(endpoint.wire_topic);
   }
-  // A recorder finds its topics as it goes.
   for (const runtime::ProcessEntry& process : composition.processes) {
     for (const runtime::ComponentEntry& entry : process.components) {
-      if (entry.type == "strata::Recorder") permissions.subscribe.emplace_back("*");
+      if (finds_topics(entry.type)) permissions.subscribe.emplace_back("*");
     }
   }
   for (auto* topics : {&permissions.publish, &permissions.subscribe}) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata keystore`, and compositions that run with what it allows them.
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "components/bus/endpoint.hpp"
 #include "tests/components/bus/domain.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/test_data.hpp"
@@ -83,6 +86,37 @@ TEST_F(KeystoreVerb, AllowsACompositionAllThatItNeeds) {
               0);
     ChildProcess run(run_command(name), enforced("/robot1"), ChildProcess::Errors::kMerged);
     EXPECT_NE(run.wait_for_line("process "), "") << name;
+    run.send(SIGINT);
+    const std::string said = run.rest();
+    EXPECT_EQ(run.wait(), 0) << said;
+    EXPECT_EQ(said.find("may not"), std::string::npos) << said;
+  }
+}
+
+TEST_F(KeystoreVerb, AllowsWhoFindsTopicsAsItGoesToReadThem) {
+  bus::ParticipantOptions options;
+  options.domain = test::own_domain();
+  options.transport = bus::Transport::kLoopback;
+  options.enclave = "/fleet/robot2";
+  options.security = {true, true, place_.string()};
+  const auto other = std::make_shared<bus::Participant>(options);
+  const std::string out = (folder_.path() / "out").string();
+  for (const std::string component :
+       {"strata::Recorder, name: c, parameters: {out: " + out + "_bag}",
+        "strata::IncidentRecorder, name: c, parameters: {out: " + out + "}",
+        std::string("strata::LiveView, name: c, parameters: {port: 0, keep_newest: true}")}) {
+    const fs::path file = folder_.path() / "c.yaml";
+    std::ofstream(file) << "version: 1\ntransport: loopback\nenclave: /robot1\nprocesses:\n"
+                           "  - name: p\n    components: [{type: "
+                        << component << "}]\n";
+    ASSERT_EQ(keystore("permissions", "/robot1 --composition " + quoted(file)).code, 0);
+    const bus::RawWriter foreign(other, "/foreign", "sensor_msgs/msg/LaserScan",
+                                 bus::qos_profile("latched"));
+    ChildProcess run({STRATA_PROGRAM, "run", file.string(), "--set",
+                      "domain=" + std::to_string(test::own_domain())},
+                     enforced(), ChildProcess::Errors::kMerged);
+    EXPECT_NE(run.wait_for_line("process p runs"), "") << component;
+    EXPECT_TRUE(foreign.wait_for_readers(1, std::chrono::seconds(60))) << component;
     run.send(SIGINT);
     const std::string said = run.rest();
     EXPECT_EQ(run.wait(), 0) << said;
