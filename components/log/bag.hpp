@@ -75,8 +75,8 @@ struct BagOptions {
   BagCompression chunks = BagCompression::kNone;  ///< of MCAP; SQLite has none
   BagPacking packing = BagPacking::kNone;
   int sqlite_schema = 3;  ///< 3 as Humble, 4 as Iron and later, with message definitions
-  /// A file that holds this much (before packing), or spans this time, is followed by another; 0
-  /// does not split.
+  /// A file that holds this much (before packing), or is written for this time, is followed by
+  /// another; 0 does not split.
   std::uint64_t split_bytes = 0;
   Duration split_after{0};
 };
@@ -113,8 +113,12 @@ class BagWriter {
   /// says so.
   std::size_t add_topic(const BagTopic& topic);
   /// Throws OutputError when the file fails (full disk, ...), and when the message is lost because
-  /// no other can be begun. Any order of stamps.
-  void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr);
+  /// no other can be begun. Any order of stamps. at: by what clock `split_after` goes; where
+  /// stamps come from clocks that differ, one that is told apart from them.
+  void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr, Stamp at);
+  void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) {
+    write(topic, stamp, cdr, stamp);
+  }
   /// Brings everything written so far to the file, for whoever waits longer than a second between
   /// two messages. Throws OutputError as long as that cannot be done.
   void flush();

@@ -74,7 +74,7 @@ std::size_t BagWriter::add_topic(const BagTopic& topic) {
   return place;
 }
 
-void BagWriter::write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) {
+void BagWriter::write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr, Stamp at) {
   State& state = *state_;
   if (state.options.storage == BagStorage::kMcap && stamp.ns < 0) {
     throw OutputError(state.folder.string(), "MCAP has no stamps before 1970",
@@ -99,7 +99,7 @@ void BagWriter::write(std::size_t topic, Stamp stamp, std::span<const std::uint8
   const bool packs = state.options.packing == BagPacking::kMessage;
   state.wait({topic, stamp,
               packs ? compress(cdr, BagCompression::kZstd) : Bytes(cdr.begin(), cdr.end()),
-              cdr.size()});
+              cdr.size(), at});
   if (state.untold) std::rethrow_exception(std::exchange(state.untold, nullptr));
   if (state.failed) return;
   state.attempt([&] {

@@ -29,6 +29,7 @@ struct BagWriter::State {
     Stamp stamp;
     Bytes data;
     std::size_t plain_bytes = 0;
+    Stamp at;  ///< when it came, for splits
   };
 
   std::filesystem::path folder;
@@ -48,7 +49,7 @@ struct BagWriter::State {
   // Of the file.
   std::uint64_t file_bytes = 0;
   std::size_t file_messages = 0;
-  Stamp file_begin;
+  Stamp file_begin;         ///< by when its messages came
   std::size_t settled = 0;  ///< messages that the summary counts
 
   std::deque<Waiting> waiting;  ///< not saved yet
@@ -95,10 +96,10 @@ struct BagWriter::State {
     std::filesystem::remove(plain);
   }
 
-  [[nodiscard]] bool is_full(Stamp stamp) const {
+  [[nodiscard]] bool is_full(Stamp at) const {
     if (file_messages == 0) return false;
     return (options.split_bytes > 0 && file_bytes >= options.split_bytes) ||
-           (options.split_after.ns > 0 && stamp - file_begin >= options.split_after);
+           (options.split_after.ns > 0 && at - file_begin >= options.split_after);
   }
 
   void wait(Waiting message) {
@@ -109,13 +110,13 @@ struct BagWriter::State {
   /// Gives the file what waits.
   void hand_over() {
     while (handed_over < waiting.size()) {
-      if (is_full(waiting[handed_over].stamp)) {
+      if (is_full(waiting[handed_over].at)) {
         close_file();
         open_file();
       }
       const Waiting& next = waiting[handed_over];
       file->write(next.topic, next.stamp, next.data);
-      file_begin = file_messages > 0 ? std::min(file_begin, next.stamp) : next.stamp;
+      file_begin = file_messages > 0 ? std::min(file_begin, next.at) : next.at;
       ++file_messages;
       file_bytes += next.plain_bytes;
       ++handed_over;

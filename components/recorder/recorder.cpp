@@ -256,7 +256,10 @@ void Recorder::write(const std::string& topic, const bus::RawMessage& message, S
     const auto found = published.find(topic);
     place_of(topic, found == published.end() ? nullptr : &found->second);
   }
-  write_bag([&] { bag_->write(*recorded.place, stamp, message.cdr); });
+  // Live by time that passes here: stamps are by the clocks of many, and of what is latched old.
+  const std::chrono::nanoseconds now = std::chrono::steady_clock::now().time_since_epoch();
+  const Stamp at = lockstep() ? stamp : Stamp{now.count()};
+  write_bag([&] { bag_->write(*recorded.place, stamp, message.cdr, at); });
 }
 
 void Recorder::on_deactivate() {

@@ -208,6 +208,22 @@ TEST_F(BagFilesTest, ABagIsSplitByTimeToo) {
   EXPECT_EQ(read_bag(bag / "bag_1.mcap").stamps().front(), 30);
 }
 
+TEST_F(BagFilesTest, ABagIsSplitByTheClockThatIsToldWhereStampsComeFromSeveral) {
+  const fs::path bag = folder_.path() / "bag";
+  {
+    BagWriter writer(bag, {.storage = BagStorage::kMcap, .split_after = Duration{30}});
+    const auto topic = writer.add_topic({"/a", "std_msgs/msg/String", "cdr", ""});
+    for (std::int64_t i = 0; i < 90; ++i) {
+      const std::int64_t host = i % 3;  // of three hosts, whose clocks are far apart
+      writer.write(topic, Stamp{host * 1'000'000 + i}, std::vector<std::uint8_t>{0, 1, 0, 0},
+                   Stamp{5'000 + i});
+    }
+  }
+  EXPECT_TRUE(fs::exists(bag / "bag_2.mcap"));
+  EXPECT_FALSE(fs::exists(bag / "bag_3.mcap"));
+  EXPECT_EQ(read_bag(bag / "bag_1.mcap").stamps().size(), 30U);
+}
+
 TEST_F(BagFilesTest, AFileThatIsMissingOrDestroyedCostsItselfAndIsCounted) {
   const fs::path bag = write({.storage = BagStorage::kMcap, .split_bytes = 10'000}, 40);
   fs::remove(bag / "bag_1.mcap");

@@ -57,5 +57,28 @@ TEST_P(RecorderStorage, BeginsAnotherFileWhenItIsAskedTo) {
   EXPECT_EQ(read_bag(bag()).at("/scan").size(), 4U);
 }
 
+/// Where time has to pass: with one storage only.
+class RecorderOverTime : public RecorderStorage {};
+
+TEST_P(RecorderOverTime, BeginsNoOtherFileForWhatIsOldWhenItComes) {
+  constexpr auto kSplit = std::chrono::seconds(5);
+  auto map = writer("/map", "latched");
+  auto scans = writer("/scan", "default");
+  map.publish(numbered(1));
+  std::this_thread::sleep_for(kSplit + std::chrono::milliseconds(100));
+  const auto host = make(", split_s: 5.0, topics: [/map, /scan]");
+  host->activate();  // the map is recorded, with its stamp
+  for (const int number : {2, 3}) scans.publish(numbered(number));
+  host->stop();
+  const YAML::Node files =
+      YAML::LoadFile((bag() / "metadata.yaml").string())["rosbag2_bagfile_information"]["files"];
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_EQ(files[0]["message_count"].as<int>(), 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RecorderOverTime,
+                         testing::Values(Storage{"Sqlite3", "sqlite3", "SQLite schema 3"}),
+                         [](const auto& each) { return std::string(each.param.name); });
+
 }  // namespace
 }  // namespace strata::recorder
