@@ -110,7 +110,7 @@ void IncidentRecorder::watch(const std::string& topic, const bus::PublishedTopic
       topic, published.type, bus::offered_qos_text(published), published.transient_local});
   subscribe_raw(topic, published.type, bus::qos_to_record(published),
                 [this, kept](const bus::RawMessage& message) { take(kept, message); },
-                {.at_ticks = true});
+                {.at_ticks = true, .latched_depth = 1});
   topics_kept_[topic] = kept;
 }
 

@@ -158,7 +158,7 @@ void LiveView::read_what_is_wanted() {
     };
     offered.is_read = unreadable_.read(
         offered.topic, {offered.type, offered.latched, offered.latched},
-        [&] { subscribe_raw(offered.topic, offered.type, qos, give); });
+        [&] { subscribe_raw(offered.topic, offered.type, qos, give, {.latched_depth = 1}); });
   }
 }
 

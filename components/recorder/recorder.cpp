@@ -197,7 +197,8 @@ void Recorder::record(const std::string& topic, const bus::PublishedTopic& publi
   if (!is_new) return;
   try {
     subscribe_raw(topic, published.type, bus::qos_to_record(published),
-                  [this, topic](const bus::RawMessage& message) { take(topic, message); });
+                  [this, topic](const bus::RawMessage& message) { take(topic, message); },
+                  {.latched_depth = std::max(1, config_.latched_depth)});
   } catch (...) {
     recorded_.erase(entry);  // it may be tried again
     throw;

@@ -95,15 +95,15 @@ void Component::perform(const Step& step) {
 
 void Component::work_off() {
   for (const auto& subscription : subscriptions_) {
-    std::deque<bus::RawMessage> batch;
+    std::deque<Subscription::Waiting> batch;
     {
       const std::lock_guard lock(subscription->mutex);
       batch.swap(subscription->waiting);
       subscription->waiting_bytes = 0;
     }
     if (finished_) continue;
-    for (const bus::RawMessage& message : batch) {
-      subscription->callback(message);
+    for (const Subscription::Waiting& waiting : batch) {
+      subscription->callback(waiting.message);
       ++processed_;
     }
   }

@@ -35,6 +35,7 @@ void Component::subscribe_raw(const std::string& full_topic, const std::string& 
   subscription->depth = static_cast<std::size_t>(depth);
   subscription->latched = used.transient_local;
   subscription->at_ticks = reception.at_ticks;
+  subscription->latched_depth = static_cast<std::size_t>(reception.latched_depth);
   // The reader is the subscription's, so its callback holds it weakly.
   const std::weak_ptr<Subscription> weak = subscription;
   const auto on_message = [this, weak](bus::RawMessage message) {
@@ -63,8 +64,11 @@ bool Component::keep(Subscription& subscription, bus::RawMessage message) {
   ++received_;
   subscription.sequences.take(message.identity);
   subscription.waiting_bytes += message.cdr.size();
-  subscription.waiting.push_back(std::move(message));
+  subscription.waiting.push_back({std::move(message), std::chrono::steady_clock::now()});
   if (lockstep()) return true;
+  if (!is_active() && subscription.latched && subscription.latched_depth > 0) {
+    ignored_ += subscription.drop_replaced();
+  }
   const auto is_too_much = [&] {
     const std::size_t count = subscription.waiting.size();
     return (subscription.depth > 0 && count > subscription.depth) ||
@@ -72,7 +76,7 @@ bool Component::keep(Subscription& subscription, bus::RawMessage message) {
   };
   bool has_dropped = false;
   while (is_too_much()) {
-    subscription.waiting_bytes -= subscription.waiting.front().cdr.size();
+    subscription.waiting_bytes -= subscription.waiting.front().message.cdr.size();
     subscription.waiting.pop_front();
     ++dropped_;
     has_dropped = true;
@@ -103,7 +107,7 @@ bool Component::take_live(Subscription& subscription) {
   {
     const std::lock_guard lock(subscription.mutex);
     if (subscription.waiting.empty()) return false;
-    message = std::move(subscription.waiting.front());
+    message = std::move(subscription.waiting.front().message);
     subscription.waiting.pop_front();
     subscription.waiting_bytes -= message.cdr.size();
   }

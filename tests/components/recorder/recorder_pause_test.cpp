@@ -194,6 +194,28 @@ TEST_P(RecorderStorage, KeepsWhatIsLatchedOnceNobodyPublishesTheTopicOtherwise) 
   EXPECT_EQ(read_bag(bag()), (Messages{{"/map", {convert::to_cdr(numbered(2))}}}));
 }
 
+TEST_P(RecorderIntoSqlite, RecordsOfTheMapsThatCameWhileItRestedTheLast) {
+  auto map = writer("/map", "latched");
+  auto other_map = writer("/map", "latched");
+  const auto host = make(", topics: [/map]");
+  runtime::Component& recorder = *host->components()[0];
+  host->activate();
+  map.publish(numbered(1));
+  (void)call<bus::srv::IsPaused>("is_paused");  // after the message
+  recorder.deactivate();
+  for (const int number : {2, 3, 4}) {
+    map.publish(numbered(number));
+    if (number == 2) other_map.publish(numbered(5));
+    std::this_thread::sleep_for(runtime::Reception::kBurst + std::chrono::milliseconds(200));
+  }
+  recorder.activate();
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  EXPECT_EQ(read_bag(bag()), (Messages{{"/map",
+                                        {convert::to_cdr(numbered(1)), convert::to_cdr(numbered(5)),
+                                         convert::to_cdr(numbered(4))}}}));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, RecorderIntoSqlite,
                          testing::Values(Storage{"Sqlite3", "sqlite3", "SQLite schema 3"}),
                          [](const auto& each) { return std::string(each.param.name); });
