@@ -16,6 +16,7 @@
 #include "components/log/content_hash.hpp"
 #include "components/log/disk.hpp"
 #include "components/log/folder_name.hpp"
+#include "components/log/stored_bytes.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
 
@@ -29,17 +30,6 @@ using nlohmann::json;
 constexpr const char* kFiles = "files";
 constexpr int kCopyAttempts = 3;
 constexpr double kNsPerS = 1e9;
-
-std::uint64_t bytes_below(const fs::path& path) {
-  if (!fs::is_directory(path)) return fs::file_size(path);
-  std::uint64_t bytes = 0;
-  std::error_code gone;
-  for (const auto& entry : fs::recursive_directory_iterator(path)) {
-    const std::uintmax_t size = entry.is_regular_file(gone) ? entry.file_size(gone) : 0;
-    if (!gone) bytes += size;
-  }
-  return bytes;
-}
 
 /// Another folder under the same name has another number.
 std::optional<ino_t> number_of(const fs::path& path) {
@@ -154,7 +144,7 @@ std::optional<IncidentRecord> read_record(const fs::path& folder) {
     return std::nullopt;
   }
   if (record.reasons.empty()) return std::nullopt;
-  record.bytes = bytes_below(folder);
+  record.bytes = log::stored_bytes(folder);
   return record;
 }
 
@@ -211,7 +201,7 @@ std::size_t make_room(const fs::path& incidents, std::uint64_t max_bytes) {
       sum += records[i].bytes;
       for (const KeptFile& file : records[i].files) named.insert(file.sha256);
     }
-    for (const std::string& digest : named) sum += bytes_below(incidents / kFiles / digest);
+    for (const std::string& digest : named) sum += log::stored_bytes(incidents / kFiles / digest);
     return sum;
   };
   while (gone + 1 < records.size() && bytes() > max_bytes) {

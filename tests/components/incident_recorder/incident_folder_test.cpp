@@ -125,5 +125,14 @@ TEST_F(IncidentFolder, MakesRoomByTheOldestAndTheirFilesButNeverByTheNewest) {
   EXPECT_TRUE(fs::exists(third.folder));
 }
 
+TEST_F(IncidentFolder, MakesRoomThoughACopyIsMissing) {
+  const IncidentRecord first = make(1000, 3000, {{"maps", "removed-by-hand"}});
+  const IncidentRecord second = make(2000, 3000, {{"maps", "removed-by-hand"}});
+  EXPECT_EQ(make_room(incidents(), 100'000), 0U);
+  EXPECT_EQ(make_room(incidents(), 5'000), 1U);
+  EXPECT_FALSE(fs::exists(first.folder));
+  EXPECT_TRUE(fs::exists(second.folder));
+}
+
 }  // namespace
 }  // namespace strata::incident_recorder
