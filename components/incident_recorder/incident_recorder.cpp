@@ -197,10 +197,10 @@ void IncidentRecorder::on_tick() {
 }
 
 void IncidentRecorder::on_deactivate() {
-  next_.reset();
-  if (!incident_) return;
-  incident_->finish();
-  settle();
+  while (incident_) {  // the one that was to come after it, too
+    incident_->finish();
+    settle();
+  }
 }
 
 void IncidentRecorder::on_cleanup() {

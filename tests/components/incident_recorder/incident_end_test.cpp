@@ -54,5 +54,20 @@ TEST_F(IncidentRecorderTest, IsKeptFromNothingByATopicThatItCannotRead) {
   EXPECT_EQ(scans_in(records[2].folder).at("/a_odd"), std::vector<int>{7});
 }
 
+TEST_F(IncidentRecorderTest, ThatWasPromisedIsKeptThoughTheProcessEndsFirst) {
+  start(", after_s: 0.0, rest_s: 1000.0");
+  tell("lost");
+  settle();
+  scans_.publish(numbered(7));
+  ASSERT_TRUE(ask().success()) << "no tick has looked after the first one yet";
+  host_->stop();
+  const auto records = read_records(out());
+  ASSERT_THAT(records, SizeIs(2));
+  EXPECT_EQ(records[1].reasons[0].kind, "asked");
+  EXPECT_TRUE(records[1].is_complete);
+  EXPECT_EQ(scans_in(records[1].folder).at("/scan"), std::vector<int>{7});
+  EXPECT_THAT(host_->take_errors(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace strata::incident_recorder
