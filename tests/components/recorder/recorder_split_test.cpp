@@ -10,6 +10,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "tests/components/recorder/recorder_fixture.hpp"
+#include "tests/support/comes_true.hpp"
 
 namespace strata::recorder {
 namespace {
@@ -67,7 +68,10 @@ TEST_P(RecorderOverTime, BeginsNoOtherFileForWhatIsOldWhenItComes) {
   map.publish(numbered(1));
   std::this_thread::sleep_for(kSplit + std::chrono::milliseconds(100));
   const auto host = make(", split_s: 5.0, topics: [/map, /scan]");
-  host->activate();  // the map is recorded, with its stamp
+  host->activate();
+  ASSERT_TRUE(test::comes_true([&] {  // the map is recorded, with its stamp
+    return host->components().front()->counts().processed == 1;
+  }));
   for (const int number : {2, 3}) scans.publish(numbered(number));
   host->stop();
   const YAML::Node files =

@@ -101,7 +101,7 @@ TEST_F(KeystoreVerb, AllowsWhoFindsTopicsAsItGoesToReadThem) {
   options.security = {true, true, place_.string()};
   const auto other = std::make_shared<bus::Participant>(options);
   const std::string out = (folder_.path() / "out").string();
-  for (const std::string component :
+  for (const std::string& component :
        {"strata::Recorder, name: c, parameters: {out: " + out + "_bag}",
         "strata::IncidentRecorder, name: c, parameters: {out: " + out + "}",
         std::string("strata::LiveView, name: c, parameters: {port: 0, keep_newest: true}")}) {
