@@ -15,8 +15,9 @@ struct MapServerConfig {
   std::string map_frame = "map";
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("map", c.map, {.doc = "the YAML file of a map_server map", .when = "always"});
-    v.require(!c.map.empty(), "map", "is missing", "name a map, as in map: MAPS/filtered.yaml");
+    v.field("map", c.map,
+            {.doc = "the YAML file of a map_server map; empty: none until ~/load_map names one",
+             .when = "always, but where who loads maps names them"});
     v.field("topic", c.topic, {.doc = "nav_msgs/OccupancyGrid out, latched"});
     v.field("map_frame", c.map_frame, runtime::kMapFrame);
   }

@@ -26,22 +26,25 @@ std::filesystem::path path_of(const std::string& url) {
 
 void MapServer::on_configure() {
   config_ = read_parameters<MapServerConfig>();
-  map_ = log::read_map(config_.map);
+  map_.reset();
+  if (!config_.map.empty()) map_ = log::read_map(config_.map);
   loaded_ = now();
   publish_ = advertise<nav_msgs::msg::OccupancyGrid>(config_.topic, "latched");
   offer<bus::srv::GetMap>("~/map", [this](const auto&) {
     nav_msgs::srv::GetMap_Response response;
-    response.grid(message());
+    if (map_) response.grid(message());
     return response;
   });
   offer<bus::srv::LoadMap>("~/load_map",
                            [this](const auto& request) { return load(request.map_url()); });
 }
 
-void MapServer::on_activate() { publish_(message()); }
+void MapServer::on_activate() {
+  if (map_) publish_(message());
+}
 
 nav_msgs::msg::OccupancyGrid MapServer::message() const {
-  return convert::to_occupancy(map_, loaded_, config_.map_frame);
+  return convert::to_occupancy(*map_, loaded_, config_.map_frame);
 }
 
 nav2_msgs::srv::LoadMap_Response MapServer::load(const std::string& url) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "components/map_server/config.hpp"
@@ -12,7 +13,8 @@
 namespace strata::map_server {
 
 /// Services, as nav2's map_server: ~/map gives the map, ~/load_map reads another file in its place
-/// and publishes it (a path or file://; only while active).
+/// and publishes it (a path or file://; only while active). Without a map it says nothing, and
+/// ~/map answers an empty grid.
 class MapServer final : public runtime::Component {
  public:
   using Component::Component;
@@ -25,7 +27,7 @@ class MapServer final : public runtime::Component {
   [[nodiscard]] nav_msgs::msg::OccupancyGrid message() const;
 
   MapServerConfig config_;
-  ReflectionGrid map_;
+  std::optional<ReflectionGrid> map_;  ///< nothing until a file was read
   Stamp loaded_;
   std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_;
 };

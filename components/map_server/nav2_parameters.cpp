@@ -11,7 +11,8 @@ runtime::StandIn nav2_stand_in() {
           {"yaml_filename", "topic_name", "frame_id", "bond_heartbeat_period", "introspection_mode",
            "service_introspection_mode"},
           [](runtime::Translator& t) {
-            // nav2's own file leaves it empty, for its launch file to fill in.
+            // nav2's own file leaves it empty: a launch file fills it in, or ~/load_map names a
+            // map.
             if (!t.read<std::string>("yaml_filename").value_or("").empty()) {
               t.map_as_it_is<std::string>("yaml_filename", "map");
             } else {

@@ -61,6 +61,35 @@ TEST(MapServer, GivesAReaderThatComesLateTheMapOfTheFile) {
   EXPECT_EQ(maps[0].data()[0], 100);
 }
 
+// As nav2's does where a floor's map is named when the robot has come there.
+TEST(MapServer, WithoutAMapWaitsForOneToBeNamed) {
+  const test::TemporaryDirectory folder;
+  const auto file = folder.path() / "room.yaml";
+  ReflectionGrid grid = make_reflection_grid(0.1, CellRect{{0, 0}, {4, 6}});
+  grid.at({0, 0}) = 1.0F;
+  log::write_map(file, grid);
+  runtime::Registry registry;
+  register_component(registry);
+  const auto host = test::make_host("{type: strata::MapServer, name: map_server}", registry,
+                                    test::make_participant());
+  host->activate();
+  const auto client = test::make_participant();
+  const auto none =
+      bus::call_service<bus::srv::GetMap>(client, "/map_server/map", {}, std::chrono::seconds(20));
+  ASSERT_TRUE(none.has_value());
+  EXPECT_TRUE(none->grid().data().empty());
+  nav2_msgs::srv::LoadMap_Request request;
+  request.map_url(file.string());
+  const auto loaded = bus::call_service<bus::srv::LoadMap>(client, "/map_server/load_map", request,
+                                                           std::chrono::seconds(20));
+  ASSERT_TRUE(loaded.has_value());
+  EXPECT_EQ(loaded->result(), 0);
+  test::Collector<OccupancyGrid> late(client, "/map", "latched");
+  const auto maps = late.wait_for(1);
+  ASSERT_EQ(maps.size(), 1U);
+  EXPECT_EQ(maps[0], loaded->grid());
+}
+
 TEST(MapServer, LoadsAnotherMapOnRequestAndKeepsItsOwnWhenThatFails) {
   const test::TemporaryDirectory folder;
   const auto file = folder.path() / "first.yaml";

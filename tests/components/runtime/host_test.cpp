@@ -43,7 +43,6 @@ TEST(Host, NamesTheComponentAndTheLineOfABadParameter) {
   EXPECT_THAT(unknown, HasSubstr("did you mean 'map'"));
   EXPECT_THAT(complaint_about("{type: strata::MapServer, name: m, parameters: {map: [1]}}"),
               HasSubstr("parameters of m"));
-  EXPECT_THAT(complaint_about("{type: strata::MapServer, name: m}"), HasSubstr("map is missing"));
   EXPECT_THAT(
       complaint_about("{type: strata::MapServer, name: m, parameters: {map: /no/map.yaml}}"),
       HasSubstr("/no/map.yaml"));
