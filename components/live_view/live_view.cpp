@@ -89,7 +89,8 @@ MetricsSource LiveView::gather_metrics() {
   const auto board = std::make_shared<StatusBoard>();
   subscribe<diagnostic_msgs::msg::DiagnosticArray>(
       runtime::kDiagnosticsTopic, "default",
-      [board](const auto& array) { board->take(array, StatusBoard::Clock::now()); }, kStatusDepth);
+      [board](const auto& array) { board->take(array, StatusBoard::Clock::now()); },
+      {.min_waiting = kStatusDepth});
   return [board](std::string_view accept) {
     MetricText metrics;
     board->write(metrics, StatusBoard::Clock::now());

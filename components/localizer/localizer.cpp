@@ -47,7 +47,8 @@ void Localizer::on_configure() {
   }
   subscribe<geometry_msgs::msg::PoseWithCovarianceStamped>(
       config_.initial_pose_topic, config_.initial_pose_qos,
-      [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); });
+      [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); },
+      {.until_active = true});  // scripts and people tell it once, whether it is active yet or not
   offer_services();
   offer_site();
   offer_levels();

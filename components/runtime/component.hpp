@@ -88,13 +88,14 @@ class Component {
 
   template <typename T>
   void subscribe(const std::string& topic, const std::string& qos,
-                 std::function<void(const T&)> callback, int min_waiting = 0) {
+                 std::function<void(const T&)> callback, const Reception& reception = {}) {
     const std::string full = resolve(topic);
-    subscribe_raw(full, bus::MessageType<T>::name, bus::qos_profile(qos),
-                  [full, callback = std::move(callback)](const bus::RawMessage& message) {
-                    callback(convert::from_cdr<T>(message.cdr, full));
-                  },
-                  {.min_waiting = min_waiting});
+    subscribe_raw(
+        full, bus::MessageType<T>::name, bus::qos_profile(qos),
+        [full, callback = std::move(callback)](const bus::RawMessage& message) {
+          callback(convert::from_cdr<T>(message.cdr, full));
+        },
+        reception);
   }
   /// topic: resolved. Callbacks of a topic see its messages in the order they were written. All or
   /// nothing: when it throws, nothing is subscribed.

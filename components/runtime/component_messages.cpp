@@ -34,6 +34,7 @@ void Component::subscribe_raw(const std::string& full_topic, const std::string& 
   const int depth = used.depth > 0 ? std::max(used.depth, reception.min_waiting) : used.depth;
   subscription->depth = static_cast<std::size_t>(depth);
   subscription->latched = used.transient_local;
+  subscription->until_active = used.transient_local || reception.until_active;
   subscription->at_ticks = reception.at_ticks;
   subscription->latched_depth = static_cast<std::size_t>(reception.latched_depth);
   // The reader is the subscription's, so its callback holds it weakly.
@@ -102,7 +103,7 @@ std::shared_ptr<bus::RawWriter> Component::advertise_raw(const std::string& full
 
 bool Component::take_live(Subscription& subscription) {
   // Who publishes a latched message does it once: it must not be lost before we are active.
-  if (!is_active() && subscription.latched) return false;
+  if (!is_active() && subscription.until_active) return false;
   bus::RawMessage message;
   {
     const std::lock_guard lock(subscription.mutex);

@@ -20,8 +20,9 @@ namespace strata::runtime {
 
 struct Component::Subscription {
   std::string topic;
-  std::size_t depth = 0;          // live: as many messages may wait; 0: all
-  bool latched = false;           // live: messages wait until the component is active
+  std::size_t depth = 0;  // live: as many messages may wait; 0: all
+  bool latched = false;
+  bool until_active = false;      // live: messages wait until the component is active
   bool at_ticks = false;          // Reception's
   std::size_t latched_depth = 0;  // Reception's
   std::function<void(const bus::RawMessage&)> callback;

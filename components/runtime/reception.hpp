@@ -15,6 +15,9 @@ struct Reception {
   /// Latched messages wait while it is inactive: of each writer the last so many, or all of its
   /// last burst if that is more; 0: all that the profile has room for.
   int latched_depth = 0;
+  /// Messages that are not latched wait while it is inactive, too, as many as the profile keeps;
+  /// others are passed over then.
+  bool until_active = false;
 };
 
 }  // namespace strata::runtime

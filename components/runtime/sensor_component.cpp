@@ -31,22 +31,20 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const s
     take_observations();
   });
   if (!lockstep() && !config.tf_odometry_frame.empty()) {
-    subscribe<tf2_msgs::msg::TFMessage>(
-        "/tf", "tf",
-        [this](const auto& message) {
-          input_->add_moving(message);
-          take_observations();
-        },
-        kWaitingOdometry);
+    subscribe<tf2_msgs::msg::TFMessage>("/tf", "tf",
+                                        [this](const auto& message) {
+                                          input_->add_moving(message);
+                                          take_observations();
+                                        },
+                                        {.min_waiting = kWaitingOdometry});
   }
-  subscribe<nav_msgs::msg::Odometry>(
-      config.odometry_topic, qos,
-      [this](const auto& message) {
-        input_->add(message);
-        // In lockstep the scan comes after its odometry.
-        if (!lockstep()) take_observations();
-      },
-      kWaitingOdometry);
+  subscribe<nav_msgs::msg::Odometry>(config.odometry_topic, qos,
+                                     [this](const auto& message) {
+                                       input_->add(message);
+                                       // In lockstep the scan comes after its odometry.
+                                       if (!lockstep()) take_observations();
+                                     },
+                                     {.min_waiting = kWaitingOdometry});
   const std::vector<std::string> topics = config.all_scan_topics();
   const std::size_t lasers = config.laser_topics().size();
   for (std::size_t topic = 0; topic < topics.size(); ++topic) {

@@ -41,6 +41,30 @@ TEST_F(LiveLocalizer, StartsAgainWhereAServiceSaysOrAnywhere) {
   EXPECT_TRUE(host_->take_errors().empty());
 }
 
+// As a start script tells it, once, before a lifecycle manager has brought everything up.
+TEST_F(LiveLocalizer, BeginsAtAPoseThatWasToldBeforeItWasActive) {
+  (void)next_pose();
+  runtime::Component& localizer = *host_->components().front();
+  localizer.deactivate();
+  bus::Writer<geometry_msgs::msg::PoseWithCovarianceStamped> start(robot_, "/initialpose",
+                                                                   bus::qos_profile("default"));
+  ASSERT_TRUE(start.raw().wait_for_readers(1, std::chrono::seconds(20)));
+  geometry_msgs::msg::PoseWithCovarianceStamped told;
+  told.header().frame_id("map");
+  told.pose(convert::to_pose_with_covariance(
+      {Pose2{5.5, 3.5, 2.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()}));
+  // The writer may know the reader before the reader knows it.
+  const std::uint64_t before = localizer.counts().received;
+  ASSERT_TRUE(test::comes_true([&] {
+    start.publish(told);
+    return localizer.counts().received > before;
+  }));
+  localizer.activate();
+  const Pose2 there = planar(convert::from_message(next_pose().pose().pose()));
+  EXPECT_LT(translation_distance(there, Pose2{5.5, 3.5, 2.0}), 0.5);
+  EXPECT_TRUE(host_->take_errors().empty());
+}
+
 TEST_F(LiveLocalizer, TellsWhereElseItMayBeWhenSomebodySaidAWrongPlace) {
   test::Collector<nav2_msgs::msg::ParticleCloud> candidates(robot_, "/place_candidates", "default");
   (void)next_pose();
