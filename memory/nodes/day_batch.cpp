@@ -31,7 +31,7 @@ void DayBatch::add(const VirtualScan& scan, int run, Stamp stamp, RandomStream& 
 }
 
 double DayBatch::days() const {
-  if (closed_ == 0 || (span_.run != before_.run && span_.begin <= before_.end)) return 1.0;
+  if (closed_ == 0 || span_.begin <= before_.end) return 1.0;
   return std::max(0.0, (span_.end - before_.end).seconds() / 86400.0);
 }
 

@@ -26,8 +26,8 @@ class DayBatch {
   [[nodiscard]] std::uint64_t revision() const { return (closed_ << 32U) + scans_; }
   void add(const VirtualScan& scan, int run, Stamp stamp, RandomStream& random);
 
-  /// Days since the end of the batch before. Runs whose clocks overlap say nothing of the time
-  /// between them: they count as a day each, as does the first.
+  /// Days since the end of the batch before. Runs whose clocks overlap, and a clock
+  /// that was set back, say nothing of the time between them: a day each, as the first.
   [[nodiscard]] double days() const;
   /// Begins the next one.
   void close();

@@ -97,10 +97,13 @@ TEST(DayLevels, CountADayForARunWhoseClockSaysNothing) {
 
 TEST(DayLevels, EndADayThatBeganByAClockFarAheadWhenThatIsPutRight) {
   TimescaleMemory memory(with_daily_and_weekly());
-  spend_day(memory, 1000, 10, true);
+  spend_day(memory, 1000, 100, true);
   EXPECT_EQ(memory.nodes()[0].levels[1].sample_count(), 0U);
   spend_day(memory, 0, 1, false);
   EXPECT_EQ(share_of_box(memory, 1), 1.0);
+  spend_day(memory, 0, 100, false);
+  memory.close_day();
+  EXPECT_NEAR(share_of_box(memory, 1), std::exp2(-1.0 / 3.0), 0.06) << "a day's change";
 }
 
 TEST(DayLevels, GoOnFromTheirStateInTheMiddleOfADay) {
