@@ -276,6 +276,7 @@ void Localizer::on_cleanup() {
   base_ = {};
   identity_.reset();
   refused_maps_.clear();
+  refused_levels_.clear();
   place_.reset();  // its odometry may begin anew before the next configure
   store_.reset();
   waits_for_odometry_ = false;

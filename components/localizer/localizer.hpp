@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -80,7 +81,7 @@ class Localizer final : public runtime::SensorComponent {
   /// Another level is the likeliest, or it has other maps.
   void use_level();
   void take_levels();
-  void take_level(std::size_t i);
+  [[nodiscard]] bool take_level(std::size_t i);
   void offer_levels();
   void publish_level(Stamp stamp);
   void diagnose_level(runtime::Health& health) const;
@@ -140,8 +141,9 @@ class Localizer final : public runtime::SensorComponent {
 
   std::optional<MapSource> map_source_;  ///< when a folder is named
   BaseMaps base_;
-  std::optional<site::MapIdentity> identity_;  ///< of the maps in the folder
-  std::string refused_maps_;                   ///< why newer ones are not used; empty: none
+  std::optional<site::MapIdentity> identity_;          ///< of the maps in the folder
+  std::string refused_maps_;                           ///< why newer ones are not used; empty: none
+  std::map<std::size_t, std::string> refused_levels_;  ///< the same of each level, and of lifts
   std::optional<LiveMaps> live_maps_;
   std::optional<Place> place_;
   std::optional<PlaceStore> store_;  ///< live only

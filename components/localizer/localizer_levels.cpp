@@ -51,29 +51,34 @@ void Localizer::use_level() {
 
 void Localizer::take_levels() {
   if (!building_) return;
-  std::string refused;
   // What is in use is as good as it was; and one level's fault is not another's.
-  const auto take = [&](const auto& body) {
+  const auto take = [this](std::size_t i, const auto& body) {
     try {
-      body();
+      if (body()) refused_levels_.erase(i);
     } catch (const std::exception& error) {
-      refused = std::string("newer maps or lifts are not used: ") + error.what();
+      refused_levels_[i] = std::string("newer maps or lifts are not used: ") + error.what();
       tell(error);
     }
   };
-  for (std::size_t i = 0; i < building_->size(); ++i) take([&] { take_level(i); });
-  take([&] {
-    if (auto lifts = building_->take_lifts()) levels_->set_lifts(std::move(*lifts));
+  const std::size_t levels = building_->size();
+  for (std::size_t i = 0; i < levels; ++i) take(i, [this, i] { return take_level(i); });
+  take(levels, [this] {
+    auto lifts = building_->take_lifts();
+    if (lifts) levels_->set_lifts(std::move(*lifts));
+    return lifts.has_value();
   });
-  if (!refused.empty()) refused_maps_ = refused;
+  refused_maps_.clear();
+  for (const auto& [level, why] : refused_levels_) {
+    refused_maps_ += (refused_maps_.empty() ? "" : "; ") + why;
+  }
 }
 
-void Localizer::take_level(std::size_t i) {
-  if (!building_->take(i)) return;
+bool Localizer::take_level(std::size_t i) {
+  if (!building_->take(i)) return false;
   levels_->set_maps(i, building_->filter_maps_of(i));
   if (i == levels_->level()) use_level();
   say(runtime::LogLevel::kInfo, "has other maps of level " + building_->level(i).name + " now");
-  refused_maps_.clear();
+  return true;
 }
 
 void Localizer::offer_levels() {

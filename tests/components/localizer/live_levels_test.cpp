@@ -143,21 +143,21 @@ TEST_F(LiveLevels, TakeANewVersionThoughAnotherLevelsIsDamaged) {
   fs::copy(house().site, own, fs::copy_options::recursive | fs::copy_options::copy_symlinks);
   begin(start_of_ride(), own);
   play(0, 20);
-  std::string hash;
-  for (const std::string name : {"1", "0"}) {
+  std::map<std::string, std::string> hashes;
+  for (const std::string name : {"0", "1"}) {
     const fs::path maps = folder.path() / ("maps-" + name);
     fs::copy(own / "levels" / name / "active/", maps, fs::copy_options::recursive);
     std::ofstream(maps / "trajectory.tum", std::ios::app) << "\n";
     site::Site level(own / "levels" / name);
-    hash = level.add(maps, kAda, "").status.version.hash;
-    level.approve(hash, kAda, "");
-    (void)level.activate(hash, kAda);
+    hashes[name] = level.add(maps, kAda, "").status.version.hash;
+    level.approve(hashes[name], kAda, "");
+    (void)level.activate(hashes[name], kAda);
   }
   std::ofstream(own / "levels/1/active/trajectory.tum", std::ios::app) << "\n";
   // Both are loaded when they are looked for again.
   host_->tick();
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  EXPECT_EQ(status("mapHash", hash), hash);
+  EXPECT_EQ(status("mapHash", hashes["0"]), hashes["0"]);
   EXPECT_THAT(host_->take_errors(), testing::Contains(HasSubstr("levels/1")));
 }
 
