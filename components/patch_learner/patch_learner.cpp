@@ -10,7 +10,6 @@
 #include "components/convert/patch_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/log/damaged_file.hpp"
-#include "components/log/set_back_watch.hpp"
 #include "components/log/stored_bytes.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
@@ -170,9 +169,8 @@ void PatchLearner::learn_online(PosedScan scan) {
   }
   (void)blind_beams(scan, limits_.never);
   // By a clock that was set back no visit would end before it has caught up: another run begins.
-  const double back_s = newest_ ? (*newest_ - scan.scan.stamp).seconds() : 0.0;
-  if (!lockstep() && back_s > log::kMinSetBackS) ++first_run_;
   newest_ = scan.scan.stamp;
+  if (!lockstep() && clock_.add(*newest_) == log::SetBackWatch::Verdict::kSetBack) ++first_run_;
   scan.run += first_run_;
   if (store_) {
     has_news_ = online_->add(scan) || has_news_;
@@ -276,6 +274,7 @@ void PatchLearner::on_cleanup() {
   moves_ = 0;
   first_run_ = 0;
   newest_.reset();
+  clock_ = {};
 }
 
 }  // namespace strata::patch_learner

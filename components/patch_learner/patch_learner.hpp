@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "components/log/set_back_watch.hpp"
 #include "components/patch_learner/config.hpp"
 #include "components/patch_learner/known_poses.hpp"
 #include "components/patch_learner/learner_store.hpp"
@@ -79,6 +80,7 @@ class PatchLearner final : public runtime::Component {
   std::deque<PosedScan> early_;  // came before there was a map to learn on
   std::uint64_t scans_without_map_ = 0;
   std::optional<Stamp> newest_;            // of the scans that it learned from
+  log::SetBackWatch clock_;                // of theirs
   std::optional<KnownPoses> known_poses_;  // of the newest trajectory
   bool has_known_poses_ = false;           // that scans have not been moved to yet
   Clock::time_point relearned_;            // when that began

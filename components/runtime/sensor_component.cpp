@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/sensor_component.hpp"
 
+#include <cstddef>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
-#include "components/log/set_back_watch.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::runtime {
@@ -25,7 +24,7 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const s
   }
   input_.emplace(config, !lockstep());
   stamps_ = {};
-  newest_.reset();
+  is_set_back_ = false;
   subscribe<tf2_msgs::msg::TFMessage>("/tf_static", "tf_static", [this](const auto& message) {
     input_->add(message);
     take_observations();
@@ -62,13 +61,16 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const s
 
 void SensorComponent::take_observations() {
   const std::vector<Observation> observations = input_->take();
+  const std::optional<std::size_t> by_old_clock = input_->take_set_back();
+  is_set_back_ = is_set_back_ || by_old_clock;
   const auto tell_warnings = [this] {
     for (const std::string& warning : input_->take_warnings()) tell(std::runtime_error(warning));
   };
   tell_warnings();
-  for (const Observation& observation : observations) {
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const Observation& observation = observations[i];
+    if (is_set_back_ && i >= by_old_clock.value_or(0)) tell_set_back();
     if (lockstep() || stamps_.believes(observation.scan.stamp)) {
-      if (!lockstep()) watch_set_back(observation.scan.stamp);
       on_observation(observation);
     } else {
       tell(InputError("scan", "a stamp lies further than a minute ahead of the one before",
@@ -79,14 +81,10 @@ void SensorComponent::take_observations() {
   tell_warnings();
 }
 
-/// Mere disorder has been put in order.
-void SensorComponent::watch_set_back(Stamp stamp) {
-  const std::optional<Stamp> before = std::exchange(newest_, stamp);
-  const double by_s = before ? (*before - stamp).seconds() : 0.0;
-  if (by_s <= log::kMinSetBackS) return;
+void SensorComponent::tell_set_back() {
+  is_set_back_ = false;
   tell(InputError("scan", "the clock of the scans was set back",
-                  "keep clocks in step; what is learned goes on"));
-  on_clock_set_back(by_s);
+                  "keep clocks in step; " + on_clock_set_back()));
 }
 
 void SensorComponent::diagnose_input(Health& health) const {

@@ -23,16 +23,16 @@ class SensorComponent : public Component {
   void diagnose_input(Health& health) const;
   /// Each scan once, with its odometry and mounting, in order.
   virtual void on_observation(const Observation& observation) = 0;
-  /// Live: the scan that on_observation is called with next is `by_s` older than the last one, and
-  /// those that follow it are, too. It is told already.
-  virtual void on_clock_set_back(double by_s) { (void)by_s; }
+  /// Live: the clock of a scanner was set back, and on_observation is called with its first scan
+  /// by the new one next. Returns what people are to be told of what comes of it.
+  [[nodiscard]] virtual std::string on_clock_set_back() { return "what is learned goes on"; }
 
  private:
   void take_observations();
-  void watch_set_back(Stamp stamp);
+  void tell_set_back();
   std::optional<SensorInput> input_;
   StampWatch stamps_;
-  std::optional<Stamp> newest_;  ///< of the scans that went on
+  bool is_set_back_ = false;  ///< and no scan by the new clock has gone on
 };
 
 }  // namespace strata::runtime

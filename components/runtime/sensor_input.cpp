@@ -16,6 +16,7 @@ namespace {
 
 /// While something may still come for the first time, as many times max_waiting_scans may wait.
 constexpr std::size_t kMoreAtFirst = 10;
+constexpr const char* kHasStopped = "odometry has stopped on ";
 
 }  // namespace
 
@@ -71,7 +72,10 @@ void SensorInput::add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2&
     warn(config_.odometry_topic + ": a pose is not finite; it is passed over");
     return;
   }
-  silence_.hear_odometry();
+  if (source().odometry == nullptr || source().odometry == &odometry) {
+    silence_.hear_odometry();
+    told_.erase(without_odometry(kHasStopped));  // when it stops again it is told again
+  }
   // What waits by the old clock goes on with what was known then.
   const auto set_back = [&](Stamp first) {
     if (!waits_ || source().odometry != &odometry) return;
@@ -120,6 +124,7 @@ void SensorInput::add_sensed(log::SensedScan sensed, std::size_t topic) {
   silence_.hear_scan(sensed.scan.stamp);
   queue_.add(topic, std::move(sensed), [this](Stamp first) {
     while (queue_.size() > 0) release();
+    by_old_clock_ = ready_.size();
     silence_.hear_odometry();  // it is waited for anew
     clock_.begin_anew();
     // Odometry by the old clock would answer for moments of long ago.
@@ -177,22 +182,27 @@ void SensorInput::give_up(const WaitingScan& waiting) {
   const Source from = source();
   if (!has_mounting(waiting, from)) assumed_.insert(queue_.scanners()[waiting.scanner].frame);
   if (lacks_odometry(from)) {
-    give_up_odometry("no odometry comes on ");
+    give_up_odometry(without_odometry("no odometry comes on "));
   } else if (!has_odometry_for(waiting, from) &&
              silence_.has_lasted(config_.first_wait_s, queue_.back().stamp())) {
-    // What is on /tf, and was passed over for it, counts from now on.
+    // What is on /tf, and was passed over for it, counts from now on, by its own clock.
     has_odometry_topic_ = false;
+    lag_s_ = config_.odometry_lag_s;
     topic_odometry_ = {};
     moving_.clear();
     clock_.begin_anew();
-    give_up_odometry("odometry has stopped on ");
+    give_up_odometry(without_odometry(kHasStopped));
   }
 }
 
-void SensorInput::give_up_odometry(const std::string& what) {
+void SensorInput::give_up_odometry(const std::string& sentence) {
   is_without_odometry_ = true;
-  warn(what + config_.odometry_topic + (config_.tf_odometry_frame.empty() ? "" : " or /tf") +
-       "; scans go on without it");
+  warn(sentence);
+}
+
+std::string SensorInput::without_odometry(const std::string& what) const {
+  return what + config_.odometry_topic + (config_.tf_odometry_frame.empty() ? "" : " or /tf") +
+         "; scans go on without it";
 }
 
 std::vector<Observation> SensorInput::take() {
@@ -205,6 +215,10 @@ std::vector<Observation> SensorInput::take() {
     release();
   }
   return std::exchange(ready_, {});
+}
+
+std::optional<std::size_t> SensorInput::take_set_back() {
+  return std::exchange(by_old_clock_, std::nullopt);
 }
 
 void SensorInput::release() {

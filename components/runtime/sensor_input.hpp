@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -56,6 +57,10 @@ class SensorInput {
   void add(const sensor_msgs::msg::PointCloud2& cloud, std::size_t topic);
   /// The scans that are complete now, in order of time.
   [[nodiscard]] std::vector<Observation> take();
+  /// When a scanner's clock was found to be set back since the last call: how many of those that
+  /// `take` gave since then are by the old one; the next ones, maybe of a later call, are by the
+  /// new one.
+  [[nodiscard]] std::optional<std::size_t> take_set_back();
 
   /// Compares the turns of an observation of `take` with odometry's, for those that come. It takes
   /// longer than all else here: work on the observation first. O(turns x beams).
@@ -83,7 +88,8 @@ class SensorInput {
   [[nodiscard]] bool lacks_odometry(const Source& source) const;
   [[nodiscard]] bool has_waited_long(const WaitingScan& oldest) const;
   void give_up(const WaitingScan& waiting);
-  void give_up_odometry(const std::string& what);
+  void give_up_odometry(const std::string& sentence);
+  [[nodiscard]] std::string without_odometry(const std::string& what) const;
   void release();
 
   SensorInputConfig config_;
@@ -100,6 +106,7 @@ class SensorInput {
   bool is_without_odometry_ = false;  ///< nobody published any when it was due, or it stopped
   std::set<std::string> assumed_;     ///< frames without a mounting when it was due
   std::vector<Observation> ready_;
+  std::optional<std::size_t> by_old_clock_;  ///< of those in ready_
   std::set<std::string> told_;
   std::vector<std::string> warnings_;
   std::uint64_t passed_over_ = 0;

@@ -13,6 +13,7 @@
 #include "components/log/stored_bytes.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/error.hpp"
+#include "core/slam/log_checks.hpp"
 #include "core/slam/resumed_place.hpp"
 
 namespace strata::scan_matcher {
@@ -66,15 +67,24 @@ bool ScanMatcher::resume(const Observation& first) {
                         runtime::needs_odometry(moment, first, config_.store.dead_reckoning);
   if (waits_for_odometry_) return false;
   is_restored_ = false;
+  const std::optional<Pose2> unbroken = by_unbroken_odometry(kept, first);
+  is_set_back_ = false;
   if (!kept.is_placed) {
     first_run_ = kept.run + 1;
     return true;
   }
-  const bool is_recent = runtime::is_dead_reckoned(moment, first, config_.store.dead_reckoning);
+  const bool is_recent =
+      unbroken || runtime::is_dead_reckoned(moment, first, config_.store.dead_reckoning);
+  const Eigen::Matrix3d covariance =
+      pose_covariance(config_.store.stddev_m, config_.store.stddev_rad);
   const slam::ResumedRun resumed =
-      slam::resume_run(*slam_, first, is_recent, config_.slam.beam_filter,
-                       pose_covariance(config_.store.stddev_m, config_.store.stddev_rad));
+      slam::resume_run(*slam_, first, is_recent, config_.slam.beam_filter, covariance);
   first_run_ = resumed.run;
+  if (unbroken && resumed.run == kept.run) {  // it fits nowhere; stamps of a run only grow
+    slam_->begin_next_run_at({*unbroken, covariance});
+    first_run_ = kept.run + 1;
+    return true;
+  }
   if (resumed.fits) return true;
   tell(
       InputError(full_name(),
@@ -85,6 +95,16 @@ bool ScanMatcher::resume(const Observation& first) {
                      : "drive it to where it was, or begin anew: move all stores of this "
                        "composition away"));
   return true;
+}
+
+std::optional<Pose2> ScanMatcher::by_unbroken_odometry(const slam::Slam::Newest& kept,
+                                                       const Observation& first) const {
+  if (!is_set_back_ || !kept.odom_from_robot || !first.has_odometry) return std::nullopt;
+  // Between two scans, and the one that was held back until it was sure, no robot goes further.
+  constexpr double kMaxStep_m = 2.0;
+  const Pose2 step = between(*kept.odom_from_robot, first.odom_from_robot);
+  if (step.translation().norm() > kMaxStep_m) return std::nullopt;
+  return kept.map_from_robot * step;
 }
 
 void ScanMatcher::on_activate() { publish_maps(); }
@@ -109,19 +129,23 @@ void ScanMatcher::on_deactivate() {
 }
 
 /// Its map is gone on with as after a restart: in a new run, where the scan fits.
-void ScanMatcher::on_clock_set_back(double /*by_s*/) { is_restored_ = slam_->newest().has_value(); }
+std::string ScanMatcher::on_clock_set_back() {
+  is_restored_ = is_set_back_ = slam_->newest().has_value();
+  return "the map is gone on with";
+}
 
 void ScanMatcher::on_observation(const Observation& scanned) {
   Observation observation = scanned;
   const std::optional<Pose2> given = convert::take_given(given_, observation);
+  if (!lockstep() && slam::LogChecks::reason_to_skip(observation, given ? &*given : nullptr)) {
+    pass_over(observation);
+    return;
+  }
   if (is_restored_ && !resume(observation)) return;
   observation.run += first_run_;
   const std::size_t skipped = slam_->skipped_scans();
   const Pose2Gaussian pose = slam_->add(observation, given ? &*given : nullptr);
-  if (!lockstep() && slam_->skipped_scans() > skipped) {  // it says nothing of where the robot is
-    if (observation.has_odometry) publish_tf(observation.scan.stamp);
-    return;
-  }
+  if (!lockstep() && slam_->skipped_scans() > skipped) return;  // out of order, or repeated
   if (store_ && store_->is_due(observation.scan.stamp)) store_->write(slam_->save_state());
   is_lost_ = !lockstep() && slam_->newest() && !slam_->newest()->is_placed;
   if (is_lost_) return;  // the pose is in a frame of the run
@@ -131,6 +155,13 @@ void ScanMatcher::on_observation(const Observation& scanned) {
   last_ = std::move(observation);
   last_.scan.ranges_m.clear();
   publish_maps();
+}
+
+/// A scan that says nothing of where the robot is.
+void ScanMatcher::pass_over(const Observation& observation) {
+  ++unusable_scans_;
+  const bool is_newer = observation.scan.stamp > last_.scan.stamp;
+  if (is_newer && observation.has_odometry && !is_lost_) publish_tf(observation.scan.stamp);
 }
 
 void ScanMatcher::publish_scan_pose(const Observation& observation, const Pose2Gaussian& pose) {
@@ -187,7 +218,8 @@ void ScanMatcher::on_diagnose(runtime::Health& health) const {
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   if (is_lost_) health.warn("looks for its place in the map of the earlier runs");
   health.add("scans kept", static_cast<std::uint64_t>(slam_->kept_scans()));
-  health.add("scans left out", static_cast<std::uint64_t>(slam_->skipped_scans()));
+  health.add("scans left out",
+             unusable_scans_ + static_cast<std::uint64_t>(slam_->skipped_scans()));
   health.add("local maps kept", static_cast<std::uint64_t>(slam_->kept_local_maps()));
   if (store_) health.add_later("store_bytes", [this] { return log::stored_bytes(store_->file()); });
   if (!saver_) return;
@@ -204,6 +236,8 @@ void ScanMatcher::on_cleanup() {
   has_new_patches_ = false;
   slam_.reset();
   is_restored_ = false;
+  is_set_back_ = false;
+  unusable_scans_ = 0;
   waits_for_odometry_ = false;
   is_lost_ = false;
   map_from_odom_.reset();

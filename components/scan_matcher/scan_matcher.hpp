@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "components/log/state_store.hpp"
 #include "components/runtime/sensor_component.hpp"
@@ -40,7 +41,7 @@ class ScanMatcher final : public runtime::SensorComponent {
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_diagnose(runtime::Health& health) const override;
   void on_observation(const Observation& observation) override;
-  void on_clock_set_back(double by_s) override;
+  [[nodiscard]] std::string on_clock_set_back() override;
   [[nodiscard]] bool learns() const override { return true; }
   void make_slam();
   void advertise_topics();
@@ -61,9 +62,14 @@ class ScanMatcher final : public runtime::SensorComponent {
   /// Decides whether the first scan goes on with the run that was kept, or begins the next one;
   /// false when that cannot be told before odometry comes.
   [[nodiscard]] bool resume(const Observation& first);
+  /// Where the robot is when its clock was set back, and odometry has gone on: nothing when it has
+  /// not.
+  [[nodiscard]] std::optional<Pose2> by_unbroken_odometry(const slam::Slam::Newest& kept,
+                                                          const Observation& first) const;
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
   /// Where odometry's frame is, as far as it is known.
   void publish_tf(Stamp stamp);
+  void pass_over(const Observation& observation);
   void publish_scan_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_result(const slam::SlamResult& result);
 
@@ -72,6 +78,7 @@ class ScanMatcher final : public runtime::SensorComponent {
   std::optional<strata_msgs::msg::ScanPose> given_;
   std::optional<log::StateStore> store_;
   bool is_restored_ = false;         ///< and no scan has come since
+  bool is_set_back_ = false;         ///< the clock, and no scan has come since
   bool waits_for_odometry_ = false;  ///< to go on with the run that was kept
   bool is_lost_ = false;             ///< live: the run has no place in the map yet
   int first_run_ = 0;
@@ -83,6 +90,7 @@ class ScanMatcher final : public runtime::SensorComponent {
   std::optional<strata_msgs::msg::PatchMap> patches_;
   Observation last_;  ///< without its ranges
   std::optional<Pose2> map_from_odom_;
+  std::uint64_t unusable_scans_ = 0;
   std::uint64_t index_ = 0;
   std::function<void(const strata_msgs::msg::ScanPose&)> publish_scan_pose_;
   std::function<void(const strata_msgs::msg::LabeledScan&)> publish_posed_scan_;

@@ -141,10 +141,8 @@ void TopologyMapper::on_observation(const Observation& scanned) {
 }
 
 /// Its answers are of visits in order of time.
-void TopologyMapper::on_clock_set_back(double by_s) {
-  tell(InputError("scan", "the clock was set back by " + std::to_string(by_s) + " s",
-                  "keep clocks in step; scans are left out of the topologies until the clock has "
-                  "passed the newest one"));
+std::string TopologyMapper::on_clock_set_back() {
+  return "scans are left out of the topologies until the clock has passed the newest one";
 }
 
 void TopologyMapper::update(std::vector<topology::MadeVisit> visits) {

@@ -35,7 +35,7 @@ class TopologyMapper final : public runtime::SensorComponent {
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_diagnose(runtime::Health& health) const override;
   void on_observation(const Observation& scanned) override;
-  void on_clock_set_back(double by_s) override;
+  [[nodiscard]] std::string on_clock_set_back() override;
   [[nodiscard]] bool learns() const override { return true; }
   void make_mapper();
   void open_store();

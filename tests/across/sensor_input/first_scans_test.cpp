@@ -180,6 +180,39 @@ TEST(SensorInput, AScannerThatComesBackUnderAnotherFrameIsNotSilent) {
   EXPECT_TRUE(is_silent());
 }
 
+// Each goes by a clock of its own: neither was set back.
+TEST(SensorInput, TwoScannersWhoseClocksDifferSetNoClockBack) {
+  SensorInputConfig config;
+  config.use_odometry = false;
+  SensorInput input(config, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  input.add(link(0.0, "base_link", "laser_2", {}));
+  for (int i = 0; i < 50; ++i) {
+    for (const double ahead_s : {0.0, 2.0}) {
+      input.add(scan(1.0 + 0.1 * i + ahead_s, ahead_s == 0.0 ? "laser" : "laser_2"));
+      (void)input.take();
+      EXPECT_FALSE(input.take_set_back()) << i;
+    }
+  }
+}
+
+TEST(SensorInput, AClockThatIsSetBackIsToldWithTheScansByTheOldOne) {
+  SensorInputConfig config;
+  config.max_waiting_scans = 100;
+  SensorInput input(config, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  input.add(odometry(1000.0, {}));
+  for (int i = 1; i <= 3; ++i) input.add(scan(1000.0 + 0.1 * i));  // they wait for odometry
+  EXPECT_THAT(input.take(), IsEmpty());
+  EXPECT_FALSE(input.take_set_back());
+  input.add(scan(500.0));
+  EXPECT_FALSE(input.take_set_back()) << "it may have come late";
+  input.add(scan(500.1));
+  EXPECT_THAT(input.take(), SizeIs(3));
+  EXPECT_EQ(input.take_set_back(), 3U);
+  EXPECT_FALSE(input.take_set_back());
+}
+
 // At a start the reader of odometry may meet its writer later than the scans' reader theirs.
 TEST(FirstScans, OfAFastScannerInABurstWaitForTheirOdometry) {
   SensorInput input({}, true);

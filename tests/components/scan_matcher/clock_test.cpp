@@ -43,6 +43,41 @@ TEST_F(ClockOfScanMatcher, ThatIsSetBackWhileItDrivesCostsItNeitherPlaceNorMap) 
   EXPECT_THAT(host_->take_errors(), testing::Contains(testing::HasSubstr("was set back")));
 }
 
+TEST_F(ClockOfScanMatcher, ThatIsSetBackWhileItsScannerIsBlindCostsItNoPlace) {
+  constexpr double kBack_s = 8.0;
+  const Drive way;
+  const auto middle = way.log.begin() + 100;
+  begin("");
+  const std::size_t before = drive({way.log.begin(), middle}).size();
+  auto rest = by_clock({middle, middle + 60}, -kBack_s);
+  for (std::size_t i = 0; i < 4; ++i) {
+    std::ranges::fill(rest[i].scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
+  }
+  const std::vector<ScanPose> told = drive(rest);
+  ASSERT_EQ(told.size(), before + 56);
+  const Pose2 truth = between(way.truth(told.front()), way.truth(told.back(), -kBack_s));
+  EXPECT_LT(translation_distance(between(pose_of(told.front()), pose_of(told.back())), truth), 0.3);
+}
+
+// Where the map knows nothing of what is seen, odometry that has gone on tells.
+TEST_F(ClockOfScanMatcher, ThatIsSetBackWhereTheScanFitsNowhereIsBridgedByOdometry) {
+  constexpr double kBack_s = 8.0;
+  const Drive way;
+  const auto middle = way.log.begin() + 100;
+  begin("");
+  const std::size_t before = drive({way.log.begin(), middle}).size();
+  auto rest = by_clock({middle, middle + 5}, -kBack_s);
+  for (Observation& observation : rest) {
+    for (float& range_m : observation.scan.ranges_m) range_m *= 0.4F;
+  }
+  const std::vector<ScanPose> told = drive(rest);
+  ASSERT_GT(told.size(), before);
+  const ScanPose& first = told[before];
+  EXPECT_EQ(first.run(), 1);
+  const Pose2 truth = between(way.truth(told.front()), way.truth(first, -kBack_s));
+  EXPECT_LT(translation_distance(between(pose_of(told.front()), pose_of(first)), truth), 0.3);
+}
+
 TEST_F(ClockOfScanMatcher, GoesOnWhileTheScannerIsBlindWithoutAPoseThatNobodySaw) {
   const Drive way;
   std::vector<Observation> log{way.log.begin(), way.log.begin() + 60};
