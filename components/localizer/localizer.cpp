@@ -162,6 +162,11 @@ void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& mes
       pose.covariance.diagonal().minCoeff() < 0.0) {
     throw InputError(source, "the pose is not finite or has a negative variance", "send another");
   }
+  // It may be of a moment ago, as a marker's that a camera has seen: the robot has driven on.
+  const Stamp stamp = convert::from_message(message.header().stamp());
+  const std::optional<Pose2> moved =
+      lockstep() || stamp.ns == 0 ? std::nullopt : moved_since(stamp);
+  if (moved) pose = pose * Pose2Gaussian{*moved, Eigen::Matrix3d::Zero()};
   // All zero means unknown, as many tools leave it.
   if (pose.covariance.isZero(0.0))
     pose.covariance = pose_covariance(config_.start.stddev_m, config_.start.stddev_rad);

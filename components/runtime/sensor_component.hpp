@@ -21,6 +21,10 @@ class SensorComponent : public Component {
   void subscribe_sensors(const SensorInputConfig& config, const std::string& qos);
   /// For on_diagnose: what the input has to say.
   void diagnose_input(Health& health) const;
+  /// As SensorInput's.
+  [[nodiscard]] std::optional<Pose2> moved_since(Stamp stamp) const {
+    return input_ ? input_->moved_since(stamp) : std::nullopt;
+  }
   /// Each scan once, with its odometry and mounting, in order.
   virtual void on_observation(const Observation& observation) = 0;
   /// Live: the clock of a scanner was set back, and on_observation is called with its first scan

@@ -221,6 +221,19 @@ std::optional<std::size_t> SensorInput::take_set_back() {
   return std::exchange(by_old_clock_, std::nullopt);
 }
 
+std::optional<Pose2> SensorInput::moved_since(Stamp stamp) const {
+  const Source from = source();
+  if (!config_.use_odometry || from.odometry == nullptr || from.odometry->track().empty()) {
+    return std::nullopt;
+  }
+  const log::OdometryTrack& track = from.odometry->track();
+  const auto then = track.between_samples(stamp, config_.max_odometry_gap_s);
+  if (!then) return std::nullopt;
+  const Pose2 child_from_robot = frames_.robot_in(from.child);
+  return between(log::moved_by(*then, child_from_robot),
+                 log::moved_by(track.samples().back().odom_from_robot, child_from_robot));
+}
+
 void SensorInput::release() {
   const Source from = source();
   const bool is_in_time = has_odometry_for(queue_.front(), from);

@@ -62,6 +62,10 @@ class SensorInput {
   /// new one.
   [[nodiscard]] std::optional<std::size_t> take_set_back();
 
+  /// How the robot has moved since then, up to the newest odometry; nothing where no odometry of
+  /// that moment is known (the last half minute is kept).
+  [[nodiscard]] std::optional<Pose2> moved_since(Stamp stamp) const;
+
   /// Compares the turns of an observation of `take` with odometry's, for those that come. It takes
   /// longer than all else here: work on the observation first. O(turns x beams).
   void watch_clock(const Observation& observation);

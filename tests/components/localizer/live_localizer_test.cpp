@@ -65,6 +65,23 @@ TEST_F(LiveLocalizer, BeginsAtAPoseThatWasToldBeforeItWasActive) {
   EXPECT_TRUE(host_->take_errors().empty());
 }
 
+// As a node tells it that has seen a marker, and has worked on its picture for a while.
+TEST_F(LiveLocalizer, TakesAPoseOfAMomentAgoOnByOdometry) {
+  constexpr std::size_t kThen = 20;
+  while (next_scan_ < kThen + 15) (void)next_pose();
+  const Pose2 then = room().truth[kThen];
+  ASSERT_GT(translation_distance(then, room().truth[next_scan_]), 0.4);
+  nav2_msgs::srv::SetInitialPose_Request request;
+  request.pose().header(convert::make_header(room().observations[kThen].scan.stamp, "map"));
+  request.pose().pose(
+      convert::to_pose_with_covariance({then, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()}));
+  ASSERT_TRUE(bus::call_service<bus::srv::SetInitialPose>(robot_, "/set_initial_pose", request,
+                                                          std::chrono::seconds(20))
+                  .has_value());
+  const Pose2 there = planar(convert::from_message(next_pose().pose().pose()));
+  EXPECT_LT(translation_distance(there, room().truth[next_scan_ - 1]), 0.15);
+}
+
 TEST_F(LiveLocalizer, TellsWhereElseItMayBeWhenSomebodySaidAWrongPlace) {
   test::Collector<nav2_msgs::msg::ParticleCloud> candidates(robot_, "/place_candidates", "default");
   (void)next_pose();
