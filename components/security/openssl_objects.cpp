@@ -2,19 +2,34 @@
 #include "components/security/openssl_objects.hpp"
 
 #include <array>
+#include <cstddef>
+#include <new>
 
+#include <openssl/crypto.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
 
 #include "core/base/error.hpp"
 
 namespace strata::security {
+namespace {
+
+/// OpenSSL tells of what it had no memory for as of an internal error.
+void require_memory() {
+  constexpr std::size_t kEnoughBytes = std::size_t{1} << 20U;  // more than it asks for at once
+  void* room = OPENSSL_malloc(kEnoughBytes);
+  if (room == nullptr) throw std::bad_alloc();
+  OPENSSL_free(room);
+}
+
+}  // namespace
 
 void require_ok(bool ok, const char* step) {
   if (ok) {
     ERR_clear_error();
     return;
   }
+  require_memory();
   std::array<char, 256> reason{"no reason given"};
   if (const unsigned long code = ERR_get_error(); code != 0) {
     ERR_error_string_n(code, reason.data(), reason.size());
@@ -49,6 +64,7 @@ Key parse_key(const std::string& pem, const std::string& place) {
   Key key(PEM_read_bio_PrivateKey(bio.get(), nullptr, no_password, nullptr));
   ERR_clear_error();
   if (!key) {
+    require_memory();
     throw InputError(place, "holds no private key in PEM without a password",
                      "make the enclave again with `strata keystore add`");
   }
@@ -60,6 +76,7 @@ Certificate parse_certificate(const std::string& pem, const std::string& place) 
   Certificate certificate(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
   ERR_clear_error();
   if (!certificate) {
+    require_memory();
     throw InputError(place, "holds no certificate in PEM",
                      "make the enclave again with `strata keystore add`");
   }
