@@ -54,9 +54,7 @@ class IncidentRecorder final : public runtime::Component {
 
   IncidentRecorderConfig config_;
   std::map<std::string, std::shared_ptr<const KeptTopic>> topics_kept_;
-  runtime::UnreadableTopics unreadable_{[this](const std::string& line) {
-    if (context().on_error) context().on_error(full_name() + ": " + line);
-  }};
+  runtime::UnreadableTopics unreadable_{[this](const std::string& line) { tell_line(line); }};
   std::optional<MessageRing> ring_;
   std::map<std::string, KeptMessagePtr> restore_points_;  ///< the last of each topic
   std::optional<IncidentTriggers> triggers_;

@@ -58,9 +58,7 @@ class LiveView final : public runtime::Component {
   std::shared_ptr<ViewHub> hub_;
   std::map<std::string, std::uint32_t> channels_;  ///< by topic; 0: of a type not known
   std::map<std::uint32_t, Offered> offered_;
-  runtime::UnreadableTopics unreadable_{[this](const std::string& line) {
-    if (context().on_error) context().on_error(full_name() + ": " + line);
-  }};
+  runtime::UnreadableTopics unreadable_{[this](const std::string& line) { tell_line(line); }};
   bool has_site_ = false;
   bool has_levels_ = false;
   std::string saver_;  ///< the service that saves maps, until somebody answers it; full

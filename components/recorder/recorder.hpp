@@ -79,9 +79,7 @@ class Recorder final : public runtime::Component {
   RecorderConfig config_;
   std::unique_ptr<log::BagWriter> bag_;
   std::map<std::string, Recorded> recorded_;  ///< by topic
-  runtime::UnreadableTopics unreadable_{[this](const std::string& line) {
-    if (context().on_error) context().on_error(full_name() + ": " + line);
-  }};
+  runtime::UnreadableTopics unreadable_{[this](const std::string& line) { tell_line(line); }};
   std::list<Held> held_;           ///< latched, while paused; in the order they came
   std::optional<Stamp> log_time_;  ///< lockstep
   std::chrono::steady_clock::time_point flushed_;

@@ -90,12 +90,10 @@ class Component {
   void subscribe(const std::string& topic, const std::string& qos,
                  std::function<void(const T&)> callback, const Reception& reception = {}) {
     const std::string full = resolve(topic);
-    subscribe_raw(
-        full, bus::MessageType<T>::name, bus::qos_profile(qos),
-        [full, callback = std::move(callback)](const bus::RawMessage& message) {
-          callback(convert::from_cdr<T>(message.cdr, full));
-        },
-        reception);
+    const auto decode = [full, callback = std::move(callback)](const bus::RawMessage& message) {
+      callback(convert::from_cdr<T>(message.cdr, full));
+    };
+    subscribe_raw(full, bus::MessageType<T>::name, bus::qos_profile(qos), decode, reception);
   }
   /// topic: resolved. Callbacks of a topic see its messages in the order they were written. All or
   /// nothing: when it throws, nothing is subscribed.
@@ -169,8 +167,7 @@ class Component {
   void keep_live(Config& config, std::vector<std::string> names) {
     keep_live<Config>(std::move(names), [&config](const Config& changed) { config = changed; });
   }
-  /// As above for a component that has to do something about the change: `apply` is given all of
-  /// the parameters.
+  /// As above, where something is to be done about it: `apply` is given all of the parameters.
   template <typename Config>
   void keep_live(std::vector<std::string> names, std::function<void(const Config&)> apply) {
     parameter_model_.live_names = std::move(names);
@@ -187,6 +184,8 @@ class Component {
   /// it, on /rosout, in words at its first time and then by numbers (ToldErrors). Never throws. On
   /// the mailbox.
   void tell(const std::exception& error);
+  /// To the host and onto /rosout, each time. Never throws. On the mailbox.
+  void tell_line(const std::string& line);
   /// Onto /rosout; in lockstep nothing. Throws OutputError.
   void say(LogLevel level, const std::string& text);
   /// Runs `body`; what it throws, of whatever type, is told.

@@ -20,9 +20,14 @@ void Component::tell(const std::exception& error) {
     auto told = told_errors_.take(last_error_, ToldErrors::Clock::now());
     // Who leads it through its life hears each time why that went wrong.
     if (is_changing_state_) told = last_error_;
-    if (!told) return;
-    if (context_.on_error) context_.on_error(full_name_ + ": " + *told);
-    say(LogLevel::kError, *told);
+    if (told) tell_line(*told);
+  });
+}
+
+void Component::tell_line(const std::string& line) {
+  (void)untold_.run([&] {
+    if (context_.on_error) context_.on_error(full_name_ + ": " + line);
+    say(LogLevel::kError, line);
   });
 }
 
@@ -55,8 +60,7 @@ void Component::say(LogLevel level, const std::string& text) {
 
 void Component::tell_what_repeats() {
   for (const std::string& line : told_errors_.due(ToldErrors::Clock::now())) {
-    if (context_.on_error) context_.on_error(full_name_ + ": " + line);
-    say(LogLevel::kError, line);
+    tell_line(line);
   }
 }
 
