@@ -68,8 +68,10 @@ void hear_scans(const std::shared_ptr<bus::Participant>& participant, int count,
                 const std::string& qos) {
   std::atomic<int> heard{0};
   std::atomic<int> in_order{0};
+  std::atomic<bool> has_met{false};
   bus::Reader<LaserScan> reader(
-      participant, "/scan", bus::qos_profile(qos), [&](const LaserScan& scan) {
+      participant, "/scan", bus::qos_profile(qos),
+      [&](const LaserScan& scan) {
         const int number = scan.header().stamp().sec();
         const bool is_whole = scan.ranges().size() == kBeams;
         if (is_whole && number == heard) ++in_order;
@@ -77,9 +79,11 @@ void hear_scans(const std::shared_ptr<bus::Participant>& participant, int count,
         if (number != count - 1) return;
         say("heard " + std::to_string(heard) + " of " + std::to_string(count) + ", " +
             std::to_string(in_order) + " in order");
+      },
+      [&] {
+        if (!has_met.exchange(true)) say("met");
       });
   say("ready");
-  if (reader.raw().wait_for_writers(1, kPatience)) say("met");
   while (std::cin.get() != EOF) {
   }
 }

@@ -30,7 +30,7 @@ class ChildProcess {
       const std::string& start, std::chrono::milliseconds patience = std::chrono::seconds(20));
   /// Everything it still says until it closes its output.
   [[nodiscard]] std::string rest();
-  /// Writes a line to its input. Throws OutputError where it reads no more.
+  /// Writes a line to its input, which it has to have open. Throws OutputError.
   void tell(const std::string& line) const;
   void close_input();
   void send(int signal_number) const;
