@@ -15,72 +15,69 @@
 namespace strata::scan_matcher {
 namespace {
 
-using ClockOfScanMatcher = MappingRobot;
+constexpr double kBack_s = 8.0;
 
-std::vector<Observation> by_clock(std::vector<Observation> log, double later_s) {
-  for (Observation& observation : log) {
-    observation.scan.stamp = observation.scan.stamp + Duration::from_seconds(later_s);
+class ClockOfScanMatcher : public MappingRobot {
+ protected:
+  /// The way up to that scan.
+  void drive_until(std::size_t scans) {
+    begin("");
+    before_ = drive({way_.log.begin(), way_.log.begin() + at(scans)}).size();
   }
-  return log;
-}
+  /// A part of the way, by a clock that was set back.
+  [[nodiscard]] std::vector<Observation> set_back(std::size_t from, std::size_t to) const {
+    return by_clock({way_.log.begin() + at(from), way_.log.begin() + at(to)}, -kBack_s);
+  }
+  /// How far a pose that was told after that is from where the robot was.
+  [[nodiscard]] double error_m(const ScanPose& first, const ScanPose& pose) const {
+    const Pose2 truth = between(way_.truth(first), way_.truth(pose, -kBack_s));
+    return translation_distance(between(pose_of(first), pose_of(pose)), truth);
+  }
+  static std::ptrdiff_t at(std::size_t scan) { return static_cast<std::ptrdiff_t>(scan); }
+
+  const Drive way_;
+  std::size_t before_ = 0;  ///< poses told before that
+};
 
 // As NTP sets it when it comes late: the robot drives on, and so does its odometry.
 TEST_F(ClockOfScanMatcher, ThatIsSetBackWhileItDrivesCostsItNeitherPlaceNorMap) {
-  constexpr double kBack_s = 8.0;
-  const Drive way;
-  const auto middle = way.log.begin() + static_cast<std::ptrdiff_t>(way.log.size() / 2);
-  begin("");
-  const std::size_t before = drive({way.log.begin(), middle}).size();
-  const std::vector<ScanPose> told = drive(by_clock({middle, way.log.end()}, -kBack_s));
-  ASSERT_GT(told.size(), before + 50U);
-  const ScanPose& first = told.front();
-  for (auto pose = told.begin() + static_cast<std::ptrdiff_t>(before); pose != told.end(); ++pose) {
-    ASSERT_EQ(pose->run(), 1);
-    const Pose2 truth = between(way.truth(first), way.truth(*pose, -kBack_s));
-    ASSERT_LT(translation_distance(between(pose_of(first), pose_of(*pose)), truth), 0.3)
-        << pose->index();
+  const std::size_t middle = way_.log.size() / 2;
+  drive_until(middle);
+  const std::vector<ScanPose> told = drive(set_back(middle, way_.log.size()));
+  ASSERT_GT(told.size(), before_ + 50U);
+  for (std::size_t i = before_; i < told.size(); ++i) {
+    ASSERT_EQ(told[i].run(), 1);
+    ASSERT_LT(error_m(told.front(), told[i]), 0.3) << told[i].index();
   }
   EXPECT_THAT(host_->take_errors(), testing::Contains(testing::HasSubstr("was set back")));
 }
 
 TEST_F(ClockOfScanMatcher, ThatIsSetBackWhileItsScannerIsBlindCostsItNoPlace) {
-  constexpr double kBack_s = 8.0;
-  const Drive way;
-  const auto middle = way.log.begin() + 100;
-  begin("");
-  const std::size_t before = drive({way.log.begin(), middle}).size();
-  auto rest = by_clock({middle, middle + 60}, -kBack_s);
+  drive_until(100);
+  std::vector<Observation> rest = set_back(100, 160);
   for (std::size_t i = 0; i < 4; ++i) {
     std::ranges::fill(rest[i].scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
   }
   const std::vector<ScanPose> told = drive(rest);
-  ASSERT_EQ(told.size(), before + 56);
-  const Pose2 truth = between(way.truth(told.front()), way.truth(told.back(), -kBack_s));
-  EXPECT_LT(translation_distance(between(pose_of(told.front()), pose_of(told.back())), truth), 0.3);
+  ASSERT_EQ(told.size(), before_ + 56);
+  EXPECT_LT(error_m(told.front(), told.back()), 0.3);
 }
 
 // Where the map knows nothing of what is seen, odometry that has gone on tells.
 TEST_F(ClockOfScanMatcher, ThatIsSetBackWhereTheScanFitsNowhereIsBridgedByOdometry) {
-  constexpr double kBack_s = 8.0;
-  const Drive way;
-  const auto middle = way.log.begin() + 100;
-  begin("");
-  const std::size_t before = drive({way.log.begin(), middle}).size();
-  auto rest = by_clock({middle, middle + 5}, -kBack_s);
+  drive_until(100);
+  std::vector<Observation> rest = set_back(100, 105);
   for (Observation& observation : rest) {
     for (float& range_m : observation.scan.ranges_m) range_m *= 0.4F;
   }
   const std::vector<ScanPose> told = drive(rest);
-  ASSERT_GT(told.size(), before);
-  const ScanPose& first = told[before];
-  EXPECT_EQ(first.run(), 1);
-  const Pose2 truth = between(way.truth(told.front()), way.truth(first, -kBack_s));
-  EXPECT_LT(translation_distance(between(pose_of(told.front()), pose_of(first)), truth), 0.3);
+  ASSERT_GT(told.size(), before_);
+  EXPECT_EQ(told[before_].run(), 1);
+  EXPECT_LT(error_m(told.front(), told[before_]), 0.3);
 }
 
 TEST_F(ClockOfScanMatcher, GoesOnWhileTheScannerIsBlindWithoutAPoseThatNobodySaw) {
-  const Drive way;
-  std::vector<Observation> log{way.log.begin(), way.log.begin() + 60};
+  std::vector<Observation> log{way_.log.begin(), way_.log.begin() + 60};
   constexpr std::size_t kBlind = 50;
   for (std::size_t i = kBlind; i < kBlind + 5; ++i) {
     std::ranges::fill(log[i].scan.ranges_m, std::numeric_limits<float>::quiet_NaN());

@@ -69,11 +69,7 @@ TEST_F(StoredScanMatcher, IsDeadReckonedForHoursWhereTheScanSaysSo) {
   begin();
   // It drove back while the process was away_.
   constexpr double kHour_s = 3600.0;
-  std::vector<Observation> later{half, two_thirds};
-  for (Observation& observation : later) {
-    observation.scan.stamp = observation.scan.stamp + Duration::from_seconds(kHour_s);
-  }
-  const auto second = drive(later);
+  const auto second = drive(by_clock({half, two_thirds}, kHour_s));
   end();
   ASSERT_GT(second.size(), 50U);
   for (const ScanPose& pose : second) {
@@ -91,10 +87,9 @@ TEST_F(StoredScanMatcher, BeginsWhereItWasWhenTheOdometryMayHaveBegunAnew) {
   const auto first = drive_half();
   ASSERT_FALSE(first.empty());
   begin();
-  std::vector<Observation> next_day{log.begin() + middle(), log.end()};
+  std::vector<Observation> next_day = by_clock({log.begin() + middle(), log.end()}, kDay_s);
   const Pose2 start = next_day.front().odom_from_robot;
   for (Observation& observation : next_day) {
-    observation.scan.stamp = observation.scan.stamp + Duration::from_seconds(kDay_s);
     observation.odom_from_robot = between(start, observation.odom_from_robot);
   }
   const auto second = drive(next_day);
