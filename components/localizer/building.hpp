@@ -31,7 +31,7 @@ class Building {
   /// Begins to load what others have activated, or drawn, since. Returns at once.
   void look();
   /// Whether the level has other maps since the last call, which it does not have without one.
-  /// Throws what loading them threw, once; it has those from before then.
+  /// Throws, once, what loading them threw; then it keeps those that it has.
   [[nodiscard]] bool take(std::size_t i);
   /// The lifts, where they were drawn anew since the last call. Throws InputError, once.
   [[nodiscard]] std::optional<std::vector<localization::Lift>> take_lifts();
