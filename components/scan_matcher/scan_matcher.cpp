@@ -146,6 +146,7 @@ void ScanMatcher::on_observation(const Observation& scanned) {
   const std::size_t skipped = slam_->skipped_scans();
   const Pose2Gaussian pose = slam_->add(observation, given ? &*given : nullptr);
   if (!lockstep() && slam_->skipped_scans() > skipped) return;  // out of order, or repeated
+  tell_forgotten_runs();
   if (store_ && store_->is_due(observation.scan.stamp)) store_->write(slam_->save_state());
   is_lost_ = !lockstep() && slam_->newest() && !slam_->newest()->is_placed;
   if (is_lost_) return;  // the pose is in a frame of the run
@@ -155,6 +156,15 @@ void ScanMatcher::on_observation(const Observation& scanned) {
   last_ = std::move(observation);
   last_.scan.ranges_m.clear();
   publish_maps();
+}
+
+void ScanMatcher::tell_forgotten_runs() {
+  const std::size_t runs = slam_->forgotten_unplaced().runs;
+  if (std::exchange(forgotten_runs_, runs) == runs) return;
+  tell(InputError(full_name(),
+                  "a run that ended without a place in the map is forgotten, with what it saw",
+                  "begin runs where the robot was when the one before ended, or drive each to a "
+                  "place that the map knows; live.window_scans says how long they are kept"));
 }
 
 /// A scan that says nothing of where the robot is.
@@ -221,6 +231,8 @@ void ScanMatcher::on_diagnose(runtime::Health& health) const {
   health.add("scans left out",
              unusable_scans_ + static_cast<std::uint64_t>(slam_->skipped_scans()));
   health.add("local maps kept", static_cast<std::uint64_t>(slam_->kept_local_maps()));
+  health.add("scans forgotten without a place",
+             static_cast<std::uint64_t>(slam_->forgotten_unplaced().scans));
   if (store_) health.add_later("store_bytes", [this] { return log::stored_bytes(store_->file()); });
   if (!saver_) return;
   health.add("seconds the last saving of maps took", saver_->last_s());
@@ -238,6 +250,7 @@ void ScanMatcher::on_cleanup() {
   is_restored_ = false;
   is_set_back_ = false;
   unusable_scans_ = 0;
+  forgotten_runs_ = 0;
   waits_for_odometry_ = false;
   is_lost_ = false;
   map_from_odom_.reset();

@@ -70,6 +70,7 @@ class ScanMatcher final : public runtime::SensorComponent {
   /// Where odometry's frame is, as far as it is known.
   void publish_tf(Stamp stamp);
   void pass_over(const Observation& observation);
+  void tell_forgotten_runs();
   void publish_scan_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_result(const slam::SlamResult& result);
 
@@ -91,6 +92,7 @@ class ScanMatcher final : public runtime::SensorComponent {
   Observation last_;  ///< without its ranges
   std::optional<Pose2> map_from_odom_;
   std::uint64_t unusable_scans_ = 0;
+  std::size_t forgotten_runs_ = 0;  ///< that people were told of
   std::uint64_t index_ = 0;
   std::function<void(const strata_msgs::msg::ScanPose&)> publish_scan_pose_;
   std::function<void(const strata_msgs::msg::LabeledScan&)> publish_posed_scan_;

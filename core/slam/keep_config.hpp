@@ -9,7 +9,9 @@ namespace strata::slam {
 /// With a window, memory is bounded by the window and the map: of scans before the window only
 /// those that entered a local map stay, and a local map stays only while it is among the latest
 /// `views` that saw some `own_share` of what it holds. So where each cell of the map has been seen,
-/// the local maps that are kept cover views / own_share times the map's area at most.
+/// the local maps that are kept cover views / own_share times the map's area at most. A run that
+/// ended without a place in the map, and that nothing is searched in any more, goes as a whole with
+/// the window.
 struct KeepConfig {
   int window_scans = 0;
   int views = 3;

@@ -111,6 +111,20 @@ std::vector<std::size_t> LocalMapGraph::forget(const KeepConfig& keep, std::size
   return gone;
 }
 
+std::vector<std::size_t> LocalMapGraph::forget_unplaced(std::size_t before_scan) {
+  std::vector<std::size_t> gone;
+  for (std::size_t first = 0; first < size();) {
+    std::size_t end = first + 1;
+    while (end < size() && local_maps_[end].run == local_maps_[first].run) ++end;
+    const bool has_left = local_maps_[end - 1].last_scan <= before_scan;
+    for (; first < end; ++first) {
+      if (end < size() && has_left && !located_[first]) gone.push_back(first);
+    }
+  }
+  if (!gone.empty()) remove(gone);
+  return gone;
+}
+
 void LocalMapGraph::remove(const std::vector<std::size_t>& gone) {
   std::vector<MeasuredEdge> edges = this->edges();
   for (const std::size_t index : gone) marginalize(edges, index);

@@ -41,6 +41,11 @@ class LocalMapGraph {
   /// overlap the newest one.
   std::vector<std::size_t> forget(const KeepConfig& keep, std::size_t before_scan);
 
+  /// Takes out the runs before the newest one that ended without a place in the map, each once all
+  /// of its scans are before that one: nothing is searched in them any more. Their indices, as
+  /// above. O(local maps).
+  std::vector<std::size_t> forget_unplaced(std::size_t before_scan);
+
   /// Registers every pair of overlapping local maps anew from the present poses, replaces
   /// all closures by the outcome, and optimizes [lu1997globally]; `rounds` times.
   void tighten(int rounds, Progress* progress);

@@ -24,6 +24,7 @@ bool is_repeated(const Scan& scan, const Scan& last) {
 
 void Slam::State::start_run(const Observation& observation, const Pose2* given_pose) {
   end_run();
+  forget_starts();
   run = observation.run;
   ++runs;
   run_is_given = given_pose != nullptr;
@@ -101,12 +102,10 @@ void Slam::State::take_local_maps() {
   }
 }
 
-void Slam::State::forget_local_maps() {
-  const std::size_t window = std::min(accepted, static_cast<std::size_t>(keep.window_scans));
-  const std::vector<std::size_t> gone = graph.forget(keep, accepted - window);
-  if (gone.empty()) return;
+std::size_t Slam::State::drop_scans_of(const std::vector<std::size_t>& gone) {
+  if (gone.empty()) return 0;
   forgot = true;
-  std::erase_if(records, [&](const Record& record) {
+  const std::size_t dropped = std::erase_if(records, [&](const Record& record) {
     return std::binary_search(gone.begin(), gone.end(), record.local_map);
   });
   for (Record& record : records) {
@@ -114,6 +113,26 @@ void Slam::State::forget_local_maps() {
     const auto below = std::lower_bound(gone.begin(), gone.end(), record.local_map);
     record.local_map -= static_cast<std::size_t>(below - gone.begin());
   }
+  return dropped;
+}
+
+void Slam::State::forget_local_maps() {
+  const std::size_t window = std::min(accepted, static_cast<std::size_t>(keep.window_scans));
+  (void)drop_scans_of(graph.forget(keep, accepted - window));
+  std::vector<int> run_of;
+  for (std::size_t i = 0; i < graph.size(); ++i) run_of.push_back(graph.local_map(i).run);
+  const std::vector<std::size_t> gone = graph.forget_unplaced(accepted - window);
+  for (std::size_t i = 0; i < gone.size(); ++i) {
+    unplaced.runs += i == 0 || run_of[gone[i]] != run_of[gone[i - 1]] ? 1 : 0;
+  }
+  unplaced.scans += drop_scans_of(gone);
+}
+
+void Slam::State::forget_starts() {
+  std::erase_if(begun_at, [&](const auto& known) {
+    return std::none_of(records.begin(), records.end(),
+                        [&](const Record& record) { return record.posed.run == known.first; });
+  });
 }
 
 /// A robot that stands still adds nothing to the map: what is not in a local map goes with the
@@ -143,6 +162,7 @@ void Slam::begin_next_run_at(const Pose2Gaussian& map_from_robot) {
 std::size_t Slam::skipped_scans() const { return state_->checks.skipped(); }
 std::size_t Slam::kept_scans() const { return state_->records.size(); }
 std::size_t Slam::kept_local_maps() const { return state_->graph.size(); }
+Slam::Unplaced Slam::forgotten_unplaced() const { return state_->unplaced; }
 
 Pose2Gaussian Slam::add(const Observation& observation, const Pose2* given_pose) {
   return state_->add(observation, given_pose, false);

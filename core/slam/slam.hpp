@@ -132,6 +132,13 @@ class Slam {
   /// What is kept now.
   [[nodiscard]] std::size_t kept_scans() const;
   [[nodiscard]] std::size_t kept_local_maps() const;
+  /// What this object, and none that it was restored from, has forgotten of runs that ended without
+  /// a place in the map (KeepConfig).
+  struct Unplaced {
+    std::size_t runs = 0;
+    std::size_t scans = 0;
+  };
+  [[nodiscard]] Unplaced forgotten_unplaced() const;
 
  private:
   struct State;

@@ -78,6 +78,7 @@ struct Slam::State {
   std::vector<Record> records;  // by number, without those that are forgotten
   std::size_t accepted = 0;
   bool forgot = false;
+  Unplaced unplaced;
   int run = 0;
   int runs = 0;
   std::vector<bool> mapped;   // of the scans in the result
@@ -108,9 +109,14 @@ struct Slam::State {
   /// Those of the scans of these numbers that are kept.
   [[nodiscard]] std::span<Record> numbered(std::size_t first, std::size_t last);
   void forget_local_maps();
+  /// Those that own scans of `gone`; the others' indices move down. How many went.
+  std::size_t drop_scans_of(const std::vector<std::size_t>& gone);
+  /// Of runs whose last scan has gone.
+  void forget_starts();
   void forget_scans();
   void place_scans();
-  /// Everything but the tracker, for saved states; what `finish` makes is not in it.
+  /// Everything but the tracker and what this process alone tells of, for saved states; what
+  /// `finish` makes is not in it.
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
     archive(self.graph);

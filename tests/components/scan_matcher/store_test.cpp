@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A scan matcher whose process ends and begins again.
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -99,6 +100,35 @@ TEST_F(StoredScanMatcher, BeginsWhereItWasWhenTheOdometryMayHaveBegunAnew) {
   const Pose2 truth = between(way_.truth(first.front()), way_.truth(second.back(), kDay_s));
   EXPECT_LT(translation_distance(between(pose_of(first.front()), pose_of(second.back())), truth),
             0.5);
+}
+
+/// A robot that is carried into another building, and in two runs finds no place in its map.
+std::vector<std::uint8_t> state_of_unplaced_runs(const Drive& way) {
+  slam::Slam slam{slam::SlamConfig{}};
+  for (std::size_t i = 0; i < 60; ++i) slam.add(way.log[i]);
+  std::vector<Pose2> path;
+  for (int i = 0; i < 60; ++i) path.push_back({3.0 + 0.05 * i, 3.0, 0.0});
+  for (int run = 1; run < 3; ++run) {
+    const auto log = by_clock(test::record(test::room(), path, run, 8), 100.0 * run);
+    for (const Observation& observation : log) slam.add(observation);
+  }
+  return slam.save_state();
+}
+
+TEST_F(StoredScanMatcher, SaysThatARunWithoutAPlaceIsForgotten) {
+  log::write_state_file(file(), state_of_unplaced_runs(way_));
+  MappingRobot::begin("live: {window_scans: 30}, store: {file: '" + file().string() + "'}");
+  test::StatusWatch watch(participant_);
+  const auto next_day = by_clock({way_.log.begin(), way_.log.begin() + 1}, 86'400.0);
+  odometry_.publish(convert::to_odometry(next_day[0].scan.stamp, next_day[0].odom_from_robot,
+                                         "odom", "base_link"));
+  scans_.publish(convert::to_message(next_day[0].scan, "laser"));
+  const auto status = watch.wait_for(*host_, [](const auto& now) {
+    return test::value_of(now, "scans forgotten without a place") == "60";
+  });
+  EXPECT_EQ(test::value_of(status, "scans forgotten without a place"), "60");
+  EXPECT_THAT(host_->take_errors(),
+              testing::Contains(testing::HasSubstr("ended without a place in the map")));
 }
 
 TEST_F(StoredScanMatcher, MapsAnewAndKeepsThatWhenItsFileIsDamaged) {

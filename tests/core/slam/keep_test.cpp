@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -111,6 +112,67 @@ TEST(Keep, PlacesThatAreNotSeenAgainStay) {
   }
   EXPECT_GT(of_the_way, until / 2);
   EXPECT_TRUE(is_free(result.occupancy.get(result.occupancy.cell_at({6.0, 1.0}))));
+}
+
+/// What a robot records that was carried into another building.
+std::vector<Observation> elsewhere(int run, double begin_s) {
+  std::vector<Pose2> path;
+  for (int i = 0; i < 60; ++i) path.push_back({3.0 + 0.05 * i, 3.0, 0.0});
+  std::vector<Observation> log = record(test::room(), path, run, 8);
+  for (Observation& observation : log) {
+    observation.scan.stamp = observation.scan.stamp + Duration::from_seconds(begin_s);
+  }
+  return log;
+}
+
+TEST(Keep, ARunThatEndedWithoutAPlaceGoesAsAWholeWithTheWindow) {
+  Slam slam(SlamConfig{}, 1, small_window());
+  const std::vector<Pose2> path = drive_round(0.1, 45.0);
+  const std::vector<Observation> first = record(ring(), path, 0, 7);
+  for (const Observation& observation : first) slam.add(observation);
+  const std::size_t of_the_map = slam.kept_scans();
+  constexpr int kRuns = 12;
+  std::size_t most_local_maps = 0;
+  for (int run = 1; run <= kRuns; ++run) {
+    const auto log = elsewhere(run, 1'000.0 * run);
+    for (const Observation& observation : log) slam.add(observation);
+    // The window, and the run that leaves it.
+    EXPECT_LE(slam.kept_scans(), of_the_map + 200U + 2U * log.size()) << run;
+    if (run == 6) most_local_maps = slam.kept_local_maps();
+    if (run > 6) {
+      EXPECT_LE(slam.kept_local_maps(), most_local_maps) << run;
+    }
+  }
+  ASSERT_GE(slam.forgotten_unplaced().runs, 6U);
+  EXPECT_EQ(slam.forgotten_unplaced().scans % slam.forgotten_unplaced().runs, 0U) << "whole runs";
+  // The newest ones may still be placed by who looks for them, and the map is as it was.
+  const SlamResult result = slam.finish();
+  EXPECT_FALSE(result.unplaced_runs.empty());
+  EXPECT_GT(result.scans.size(), 100U);
+  for (const PosedScan& scan : result.scans) EXPECT_EQ(scan.run, 0);
+}
+
+TEST(Keep, ThePlacesWhereRunsBeganGoWithTheirScans) {
+  Slam slam(SlamConfig{}, 1, small_window());
+  const std::vector<Observation> log =
+      record(ring(), std::vector<Pose2>(1'600, Pose2{3.0, 1.0, 0.0}), 0, 2);
+  constexpr std::size_t kScansOfARun = 4;
+  // Local maps come and go: the least over many runs tells what stays.
+  std::size_t least[2] = {SIZE_MAX, SIZE_MAX};
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    Observation observation = log[i];
+    observation.run = static_cast<int>(i / kScansOfARun);
+    if (i % kScansOfARun == 0 && i > 0) {
+      slam.begin_next_run_at({slam.newest()->map_from_robot, 0.01 * Eigen::Matrix3d::Identity()});
+    }
+    slam.add(observation);
+    if (i % kScansOfARun != kScansOfARun - 1) continue;
+    const int run = observation.run % 200;
+    if (run < 180) continue;
+    std::size_t& bytes = least[observation.run / 200];
+    bytes = std::min(bytes, slam.save_state().size());
+  }
+  EXPECT_LE(least[1], least[0] + 10'000U) << "two hundred runs on";
 }
 
 TEST(Keep, RefusesSharesThatKeepNothing) {
