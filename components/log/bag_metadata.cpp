@@ -135,7 +135,8 @@ BagFolderFiles bag_files(const fs::path& folder) {
 
 TypeDefinition definition_of(const BagTopic& topic) {
   if (!topic.definition.empty()) return {topic.definition_encoding, topic.definition};
-  return {"ros2msg", convert::message_definition(topic.type)};
+  const std::string known = convert::message_definition(topic.type);
+  return {known.empty() ? "" : "ros2msg", known};
 }
 
 std::string type_hash_of(const BagTopic& topic) {

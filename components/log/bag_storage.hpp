@@ -68,7 +68,8 @@ struct TypeDefinition {
   std::string encoding;
   std::string text;
 };
-/// What the topic brings from another bag, else what we know.
+/// What the topic brings from another bag, else what we know; of a type that nobody knows both are
+/// empty, as rosbag2 has it since Iron.
 [[nodiscard]] TypeDefinition definition_of(const BagTopic& topic);
 /// The hash of a topic's type, from the bag it comes from or of the types in idl/; else empty.
 [[nodiscard]] std::string type_hash_of(const BagTopic& topic);

@@ -121,13 +121,12 @@ class SqliteBagFile : public BagWriter::File {
                       "free some space or choose another place");
   }
   void define(const BagTopic& topic) {
-    const auto [known, text] = definition_of(topic);
+    const auto [encoding, text] = definition_of(topic);
     const Statement statement = prepare_statement(
         database_.get(),
         "INSERT INTO message_definitions (topic_type, encoding, encoded_message_definition, "
         "type_description_hash) VALUES (?,?,?,?)");
     if (!statement) fail();
-    const std::string encoding = text.empty() ? "unknown" : known;
     const std::string hash = type_hash_of(topic);
     const std::string* const values[] = {&topic.type, &encoding, &text, &hash};
     for (int i = 0; i < 4; ++i) {
