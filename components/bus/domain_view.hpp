@@ -49,6 +49,9 @@ struct DiscoveredParticipant {
   std::vector<std::uint16_t> ports = {};  ///< where it listens, of UDP and of shared memory
 };
 
+/// With the numbers that rmw has for them.
+enum class Liveliness : std::uint8_t { kAutomatic = 1, kManualByTopic = 3, kUnknown = 4 };
+
 struct DiscoveredEndpoint {
   Guid guid{};
   bool writes = false;  ///< a writer; else a reader
@@ -58,6 +61,9 @@ struct DiscoveredEndpoint {
   bool transient_local = false;
   double deadline_s = 0.0;  ///< 0: none
   std::string type_hash;    ///< "RIHS01_...", as ROS 2 tells it since Iron; empty: not told
+  double lifespan_s = 0.0;  ///< of a writer's messages; 0: none is too old
+  Liveliness liveliness = Liveliness::kAutomatic;
+  double lease_s = 0.0;  ///< of its liveliness; 0: without limit
 };
 
 struct DomainView {

@@ -139,13 +139,15 @@ std::map<std::string, PublishedTopic> Participant::State::offers() const {
     const std::string type = type_from_wire(endpoint.wire_type);
     if (!endpoint.writes || topic.empty() || type.empty()) return;
     const bool is_own = same_participant(endpoint.guid, own);
-    const PublishedTopic offered{type, endpoint.reliable, endpoint.transient_local, is_own};
+    const PublishedTopic offered{
+        type, endpoint.reliable, endpoint.transient_local, is_own, {endpoint}};
     const auto [entry, is_first] = result.insert({topic, offered});
     PublishedTopic& published = entry->second;
     if (is_first || published.type != type) return;
     published.reliable = published.reliable && offered.reliable;
     published.transient_local = published.transient_local && offered.transient_local;
     published.is_own = published.is_own || offered.is_own;
+    published.writers.push_back(endpoint);
   };
   for (const bool is_wanted : {true, false}) {
     for (const auto& [guid, endpoint] : endpoints) {

@@ -58,6 +58,7 @@ struct PublishedTopic {
   bool reliable = false;         ///< all of them
   bool transient_local = false;  ///< all of them
   bool is_own = false;           ///< one of them is this participant's
+  std::vector<DiscoveredEndpoint> writers = {};
 };
 
 /// Discovers others and owns the middleware's entities. Thread safe.

@@ -42,6 +42,18 @@ class GraphWriter;
 [[nodiscard]] std::string user_data_value(const std::vector<rtps::octet>& user_data,
                                           const std::string& key);
 
+/// 0 for one without limit.
+[[nodiscard]] inline double seconds_of(const eprosima::fastrtps::Duration_t& duration) {
+  if (duration == eprosima::fastrtps::c_TimeInfinite) return 0.0;
+  return static_cast<double>(duration.to_ns()) * 1e-9;
+}
+
+[[nodiscard]] inline Liveliness liveliness_of(dds::LivelinessQosPolicyKind kind) {
+  if (kind == dds::AUTOMATIC_LIVELINESS_QOS) return Liveliness::kAutomatic;
+  return kind == dds::MANUAL_BY_TOPIC_LIVELINESS_QOS ? Liveliness::kManualByTopic
+                                                     : Liveliness::kUnknown;
+}
+
 /// The endpoint as it announces itself; info: a reader's or writer's proxy data.
 template <typename ProxyData>
 [[nodiscard]] DiscoveredEndpoint describe_endpoint(const ProxyData& info, bool writes) {
@@ -52,10 +64,10 @@ template <typename ProxyData>
   endpoint.wire_type = info.typeName().to_string();
   endpoint.reliable = info.m_qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS;
   endpoint.transient_local = info.m_qos.m_durability.kind >= dds::TRANSIENT_LOCAL_DURABILITY_QOS;
-  const auto& period = info.m_qos.m_deadline.period;
-  if (period != eprosima::fastrtps::c_TimeInfinite) {
-    endpoint.deadline_s = static_cast<double>(period.to_ns()) * 1e-9;
-  }
+  endpoint.deadline_s = seconds_of(info.m_qos.m_deadline.period);
+  endpoint.lifespan_s = seconds_of(info.m_qos.m_lifespan.duration);
+  endpoint.liveliness = liveliness_of(info.m_qos.m_liveliness.kind);
+  endpoint.lease_s = seconds_of(info.m_qos.m_liveliness.lease_duration);
   endpoint.type_hash = user_data_value(info.m_qos.m_userData.getValue(), "typehash");
   return endpoint;
 }

@@ -59,7 +59,8 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
   if (state_->endpoint == nullptr) refuse(owner, topic, qos, true);
   require_granted(qos, granted_qos(), state_->topic);
   owner.add_endpoint({guid(), true, wire_topic(topic), wire_type(type), qos.reliable,
-                      qos.transient_local, 0.0, type_hash});
+                      qos.transient_local, 0.0, type_hash, qos.lifespan_s,
+                      liveliness_of(writer_qos.liveliness().kind)});
 }
 
 RawWriter::~RawWriter() = default;

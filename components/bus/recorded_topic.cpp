@@ -2,6 +2,9 @@
 #include "components/bus/recorded_topic.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace strata::bus {
 
@@ -30,13 +33,45 @@ QosProfile qos_to_record(const PublishedTopic& published) {
   return qos;
 }
 
-std::string offered_qos_text(const PublishedTopic& published) {
-  const std::string forever = "\n    sec: 9223372036\n    nsec: 854775807";
-  return std::string("- history: 3\n  depth: 0\n  reliability: ") +
-         (published.reliable ? "1" : "2") +
-         "\n  durability: " + (published.transient_local ? "1" : "2") + "\n  deadline:" + forever +
-         "\n  lifespan:" + forever + "\n  liveliness: 1\n  liveliness_lease_duration:" + forever +
+namespace {
+
+/// As rmw has it: 9223372036.854775807 s are without limit.
+std::string duration_text(double duration_s) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::int64_t ns =
+      duration_s > 0.0 ? std::llround(duration_s * 1e9) : std::numeric_limits<std::int64_t>::max();
+  return "\n    sec: " + std::to_string(ns / kSecond) +
+         "\n    nsec: " + std::to_string(ns % kSecond);
+}
+
+std::string profile_text(const DiscoveredEndpoint& writer) {
+  return std::string("- history: 3\n  depth: 0\n  reliability: ") + (writer.reliable ? "1" : "2") +
+         "\n  durability: " + (writer.transient_local ? "1" : "2") +
+         "\n  deadline:" + duration_text(writer.deadline_s) +
+         "\n  lifespan:" + duration_text(writer.lifespan_s) +
+         "\n  liveliness: " + std::to_string(static_cast<int>(writer.liveliness)) +
+         "\n  liveliness_lease_duration:" + duration_text(writer.lease_s) +
          "\n  avoid_ros_namespace_conventions: false";
+}
+
+}  // namespace
+
+std::string offered_qos_text(const PublishedTopic& published) {
+  std::string text;
+  for (const DiscoveredEndpoint& writer : published.writers) {
+    text += (text.empty() ? "" : "\n") + profile_text(writer);
+  }
+  return text;
+}
+
+std::string offered_type_hash(const PublishedTopic& published) {
+  std::string hash;
+  for (const DiscoveredEndpoint& writer : published.writers) {
+    if (writer.type_hash.empty()) continue;
+    if (!hash.empty() && hash != writer.type_hash) return {};
+    hash = writer.type_hash;
+  }
+  return hash;
 }
 
 }  // namespace strata::bus

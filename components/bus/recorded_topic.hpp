@@ -27,9 +27,12 @@ enum class HiddenTopics { kLeftOut, kTaken };
 /// matches every writer. Deep enough that a burst does not push messages out.
 [[nodiscard]] QosProfile qos_to_record(const PublishedTopic& published);
 
-/// rosbag2's text for a QoS profile (`offered_qos_profiles`), with its numbers for the words.
-/// Discovery does not tell the history, which rosbag2 then writes as unknown (3) and 0; times are
-/// without limit.
+/// rosbag2's text for the QoS profiles of all writers (`offered_qos_profiles`), with its numbers
+/// for the words. Discovery does not tell the history, which rosbag2 then writes as unknown (3) and
+/// 0.
 [[nodiscard]] std::string offered_qos_text(const PublishedTopic& published);
+
+/// The hash of the type that the writers tell; empty when none does or they do not agree.
+[[nodiscard]] std::string offered_type_hash(const PublishedTopic& published);
 
 }  // namespace strata::bus

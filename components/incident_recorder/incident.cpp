@@ -122,7 +122,11 @@ void Incident::begin(log::BagWriter& bag) {
 void Incident::write(log::BagWriter& bag, const KeptMessage& message) {
   const KeptTopic& topic = *message.topic;
   const auto [place, is_new] = places_.try_emplace(topic.name, 0);
-  if (is_new) place->second = bag.add_topic({topic.name, topic.type, "cdr", topic.offered_qos});
+  if (is_new) {
+    log::BagTopic entry{topic.name, topic.type, "cdr", topic.offered_qos};
+    entry.type_hash = topic.type_hash;
+    place->second = bag.add_topic(entry);
+  }
   try {
     bag.write(place->second, message.stamp, message.cdr);
     ++record_.messages;

@@ -106,8 +106,9 @@ void IncidentRecorder::watch_topics() {
 
 void IncidentRecorder::watch(const std::string& topic, const bus::PublishedTopic& published) {
   if (topics_kept_.contains(topic)) return;
-  const auto kept = std::make_shared<const KeptTopic>(KeptTopic{
-      topic, published.type, bus::offered_qos_text(published), published.transient_local});
+  const auto kept = std::make_shared<const KeptTopic>(
+      KeptTopic{topic, published.type, bus::offered_qos_text(published), published.transient_local,
+                bus::offered_type_hash(published)});
   subscribe_raw(topic, published.type, bus::qos_to_record(published),
                 [this, kept](const bus::RawMessage& message) { take(kept, message); },
                 {.at_ticks = true, .latched_depth = 1});

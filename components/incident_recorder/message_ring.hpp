@@ -23,6 +23,7 @@ struct KeptTopic {
   std::string type;
   std::string offered_qos;  ///< rosbag2's text
   bool is_latched = false;
+  std::string type_hash = {};  ///< as the writers tell it
 };
 
 struct KeptMessage {

@@ -128,14 +128,16 @@ bus::QosProfile recorded_qos(const log::BagTopic& topic) {
   try {
     const YAML::Node profiles = YAML::Load(topic.offered_qos_profiles);
     if (!profiles.IsSequence() || profiles.size() == 0) return qos;
-    const YAML::Node first = profiles[0];
-    const auto says = [&](const char* key, const char* number, const char* word) {
-      const YAML::Node value = first[key];
-      return value.IsDefined() && (value.Scalar() == number || value.Scalar() == word);
-    };
-    if (says("reliability", "2", "best_effort")) qos.reliable = false;
-    if (says("durability", "1", "transient_local")) qos.transient_local = true;
-    const YAML::Node depth = first["depth"];
+    qos.reliable = false;
+    for (const YAML::Node& profile : profiles) {
+      const auto says = [&](const char* key, const char* number, const char* word) {
+        const YAML::Node value = profile[key];
+        return value.IsDefined() && (value.Scalar() == number || value.Scalar() == word);
+      };
+      if (!says("reliability", "2", "best_effort")) qos.reliable = true;
+      if (says("durability", "1", "transient_local")) qos.transient_local = true;
+    }
+    const YAML::Node depth = profiles[0]["depth"];
     if (depth.IsDefined() && depth.as<int>(0) > 0) qos.depth = depth.as<int>();
   } catch (const YAML::Exception&) {
     return bus::qos_profile("default");  // not said in a way we know

@@ -84,7 +84,8 @@ class BagSource final : public Source {
 /// From `begin` on; stays at the longest where a damaged bag's stamps lie further apart than a
 /// Duration can say.
 [[nodiscard]] Duration since(Stamp begin, Stamp stamp);
-/// The profile that a bag says a topic was offered with; "default" where it does not say.
+/// The profile that a bag says a topic was offered with; of several, one that whoever read one of
+/// the writers can read. "default" where it does not say.
 [[nodiscard]] bus::QosProfile recorded_qos(const log::BagTopic& topic);
 
 }  // namespace strata::player

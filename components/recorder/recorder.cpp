@@ -208,8 +208,12 @@ void Recorder::record(const std::string& topic, const bus::PublishedTopic& publi
 std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTopic* offered) {
   Recorded& recorded = recorded_.at(topic);
   if (!recorded.place && bag_) {
-    recorded.place = bag_->add_topic(
-        {topic, recorded.type, "cdr", offered == nullptr ? "" : bus::offered_qos_text(*offered)});
+    log::BagTopic entry{topic, recorded.type};
+    if (offered != nullptr) {
+      entry.offered_qos_profiles = bus::offered_qos_text(*offered);
+      entry.type_hash = bus::offered_type_hash(*offered);
+    }
+    recorded.place = bag_->add_topic(entry);
   }
   return recorded.place.value_or(0);
 }
