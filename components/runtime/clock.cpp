@@ -7,13 +7,13 @@
 
 namespace strata::runtime {
 
-void NodeClock::use_sim_time(bool on) {
+void NodeClock::use_sim_time(bool on, const std::string& topic) {
   if (!on) {
     reader_.reset();
   } else if (!reader_ && !stands_still_) {
     last_ns_ = 0;
     reader_ = std::make_unique<bus::Reader<rosgraph_msgs::msg::Clock>>(
-        participant_, "/clock", bus::qos_profile("clock"),
+        participant_, topic, bus::qos_profile("clock"),
         [this](const rosgraph_msgs::msg::Clock& message) {
           last_ns_ = convert::from_message(message.clock()).ns;
         });

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "components/bus/endpoint.hpp"
 #include "core/base/time.hpp"
@@ -19,20 +20,20 @@ class NodeClock {
   NodeClock(std::shared_ptr<bus::Participant> participant, bool stands_still)
       : participant_(std::move(participant)), stands_still_(stands_still) {}
 
-  /// Begins or ends to listen to /clock. When it throws, all is as before.
-  void use_sim_time(bool on);
+  /// Begins to listen to that topic, or ends to. When it throws, all is as before.
+  void use_sim_time(bool on, const std::string& topic = "/clock");
   [[nodiscard]] bool uses_sim_time() const { return sim_time_; }
   /// Messages on /clock that were none.
   [[nodiscard]] std::uint64_t undecodable() const { return reader_ ? reader_->undecodable() : 0; }
   /// Of /clock, while that is listened to.
   [[nodiscard]] std::optional<bus::Guid> reader_guid() const;
-  /// With use_sim_time 0 until the first /clock, as in ROS 2.
+  /// With use_sim_time 0 until the first /clock, as in ROS 2. From any thread.
   [[nodiscard]] Stamp now() const;
 
  private:
   std::shared_ptr<bus::Participant> participant_;
   bool stands_still_;
-  bool sim_time_ = false;
+  std::atomic<bool> sim_time_{false};
   std::atomic<std::int64_t> last_ns_{0};
   std::unique_ptr<bus::Reader<rosgraph_msgs::msg::Clock>> reader_;
 };

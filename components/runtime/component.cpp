@@ -69,7 +69,36 @@ void Component::shutdown() {
 
 void Component::perform(const LifecycleTransition& transition) {
   const Flag changing(is_changing_state_);
-  switch (transition.id) {
+  if (transition.id == 1 && !node_) join_domain();
+  guarded([&] { tell_transition(first_step(transition)); });
+  try {
+    run_hooks_of(transition.id);
+  } catch (...) {
+    guarded([&] { tell_transition(second_step(transition, false)); });
+    throw;
+  }
+  state_ = transition.goal;
+  // From here on nothing takes it back: what cannot be said of it is told.
+  guarded([&] {
+    if (bond_ && !is_active()) bond_->end();
+  });
+  guarded([&] {
+    say(LogLevel::kInfo,
+        std::string(transition.label) + ": is " + lifecycle_label(state_) + " now");
+  });
+  if (is_active() && !lockstep()) {
+    for (const auto& subscription : subscriptions_) {
+      while (take_live(*subscription)) {
+      }
+    }
+  }
+  guarded([&] { announce(); });
+  guarded([&] { diagnose(); });
+  guarded([&] { tell_transition(second_step(transition, true)); });
+}
+
+void Component::run_hooks_of(std::uint8_t transition) {
+  switch (transition) {
     case 1:
       do_configure();
       break;
@@ -90,28 +119,9 @@ void Component::perform(const LifecycleTransition& transition) {
     default:
       do_shutdown();
   }
-  state_ = transition.goal;
-  // From here on nothing takes it back: what cannot be said of it is told.
-  guarded([&] {
-    if (bond_ && !is_active()) bond_->end();
-  });
-  guarded([&] {
-    say(LogLevel::kInfo,
-        std::string(transition.label) + ": is " + lifecycle_label(state_) + " now");
-  });
-  if (is_active() && !lockstep()) {
-    for (const auto& subscription : subscriptions_) {
-      while (take_live(*subscription)) {
-      }
-    }
-  }
-  guarded([&] { announce(); });
-  guarded([&] { diagnose(); });
-  guarded([&] { tell_transition(transition); });
 }
 
 void Component::do_configure() {
-  if (!node_) join_domain();
   try {
     on_configure();
     if (lockstep()) join_lockstep();
@@ -136,9 +146,10 @@ void Component::join_domain() {
     if (parameter_model_.read) (void)parameter_model_.read(context_.parameters);
     node_ =
         std::make_unique<bus::Node>(context_.participant, context_.node_namespace, context_.name);
-    diagnostics_ = std::make_unique<Diagnostics>(context_.participant, full_name_);
+    diagnostics_ =
+        std::make_unique<Diagnostics>(context_.participant, full_name_, resolve(kDiagnosticsTopic));
     if (!lockstep()) {
-      rosout_ = std::make_unique<Rosout>(context_.participant, full_name_);
+      rosout_ = std::make_unique<Rosout>(context_.participant, full_name_, resolve("/rosout"));
       serve();
     }
   } catch (...) {
@@ -176,7 +187,7 @@ void Component::take_use_sim_time() {
     own.reset(YAML::Clone(own));
     own.remove("use_sim_time");
   }
-  clock_.use_sim_time(on);
+  clock_.use_sim_time(on, resolve("/clock"));
 }
 
 void Component::release() {

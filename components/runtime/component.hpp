@@ -208,11 +208,11 @@ class Component {
   struct Subscription;  // component_subscription.hpp
 
   [[nodiscard]] bool is_active() const { return state_ == LifecycleState::kActive; }
-  /// On the mailbox: does the transition out of the present state; throws what the hook throws, and
-  /// then the state is as before.
+  /// On the mailbox. Throws what the hook throws, and then the state is as before.
   void perform(const LifecycleTransition& transition);
   /// From outside the mailbox: the transition `id`, when the state is the one it starts from.
   void request(std::uint8_t id);
+  void run_hooks_of(std::uint8_t transition);
   void do_configure();
   void do_shutdown();
   void release();

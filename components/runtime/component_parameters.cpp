@@ -121,15 +121,22 @@ ParameterChange Component::set_parameters(const std::vector<Parameter>& changes)
   if (!own.empty()) outcome = change_parameters(parameter_model_, own, context_.parameters);
   if (!outcome.ok) return outcome;
   if (use_sim_time) {
-    clock_.use_sim_time(*use_sim_time);
+    clock_.use_sim_time(*use_sim_time, resolve("/clock"));
     announce();
   }
   if (!parameter_events_) return outcome;
   rcl_interfaces::msg::ParameterEvent event;
   event.stamp(convert::to_message(now()));
   event.node(full_name_);
-  event.changed_parameters(changes);
-  guarded([&] { parameter_events_->publish(event); });  // it is set, whoever hears of it
+  guarded([&] {  // it is set, whoever hears of it
+    const ParameterTable table = parameters();
+    for (const Parameter& change : changes) {
+      const ParameterEntry* set = find_parameter(table, present_name(change.name()));
+      if (set == nullptr) continue;
+      event.changed_parameters().push_back(parameter(set->descriptor.name(), set->value));
+    }
+    parameter_events_->publish(event);
+  });
   return outcome;
 }
 

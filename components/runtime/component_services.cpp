@@ -30,13 +30,13 @@ TransitionDescription to_message(const LifecycleTransition& transition) {
   return message;
 }
 
-/// Every state of lifecycle_msgs; a component passes through the intermediate ones unseen.
+/// Every state of lifecycle_msgs.
 std::vector<State> all_states() {
-  constexpr std::pair<std::uint8_t, const char*> kOthers[] = {
-      {0, "unknown"},     {10, "configuring"},  {11, "cleaningup"},     {12, "shuttingdown"},
-      {13, "activating"}, {14, "deactivating"}, {15, "errorprocessing"}};
+  constexpr std::pair<std::uint8_t, const char*> kOthers[] = {{0, "unknown"},
+                                                              {15, "errorprocessing"}};
   std::vector<State> states;
   for (const LifecycleState state : kLifecycleStates) states.push_back(to_message(state));
+  for (const LifecycleState state : kStatesOnTheWay) states.push_back(to_message(state));
   for (const auto& [id, label] : kOthers) {
     State state;
     state.id(id);
@@ -51,9 +51,9 @@ std::vector<State> all_states() {
 void Component::serve() {
   services_ = make_service_hub();
   transition_events_ = std::make_unique<bus::Writer<lifecycle_msgs::msg::TransitionEvent>>(
-      context_.participant, full_name_ + "/transition_event", bus::qos_profile("default"));
+      context_.participant, resolve("~/transition_event"), bus::qos_profile("default"));
   parameter_events_ = std::make_unique<bus::Writer<rcl_interfaces::msg::ParameterEvent>>(
-      context_.participant, "/parameter_events", bus::qos_profile("parameters"));
+      context_.participant, resolve("/parameter_events"), bus::qos_profile("parameters"));
   {
     const std::lock_guard lock(bond_mutex_);
     bond_ = std::make_unique<Bond>(context_.participant, resolve("bond"), context_.name);

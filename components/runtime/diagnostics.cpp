@@ -38,10 +38,11 @@ void Health::raise(HealthLevel level, const std::string& message) {
   message_ += (message_.empty() ? "" : "; ") + message;
 }
 
-Diagnostics::Diagnostics(std::shared_ptr<bus::Participant> participant, std::string name)
+Diagnostics::Diagnostics(std::shared_ptr<bus::Participant> participant, std::string name,
+                         const std::string& topic)
     : name_(std::move(name)),
       writer_(std::make_unique<bus::RawWriter>(
-          std::move(participant), kDiagnosticsTopic,
+          std::move(participant), topic,
           bus::MessageType<diagnostic_msgs::msg::DiagnosticArray>::name,
           bus::qos_profile("default"))) {}
 

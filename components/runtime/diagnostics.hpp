@@ -63,8 +63,9 @@ class Health {
 /// Publishes one component's health. Not thread safe: used on the component's mailbox.
 class Diagnostics {
  public:
-  /// name: the component's full name, "/robot1/localizer".
-  Diagnostics(std::shared_ptr<bus::Participant> participant, std::string name);
+  /// name: the component's full name, "/robot1/localizer". topic: where it goes, resolved.
+  Diagnostics(std::shared_ptr<bus::Participant> participant, std::string name,
+              const std::string& topic = kDiagnosticsTopic);
 
   /// Whether a second has passed since the last status.
   [[nodiscard]] bool is_due() const;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -13,7 +14,13 @@ enum class LifecycleState : std::uint8_t {
   kUnconfigured = 1,
   kInactive = 2,
   kActive = 3,
-  kFinalized = 4
+  kFinalized = 4,
+  // On the way: told to others, never a component's state().
+  kConfiguring = 10,
+  kCleaningUp = 11,
+  kShuttingDown = 12,
+  kActivating = 13,
+  kDeactivating = 14
 };
 
 struct LifecycleTransition {
@@ -26,6 +33,11 @@ struct LifecycleTransition {
 inline constexpr std::array<LifecycleState, 4> kLifecycleStates = {
     LifecycleState::kUnconfigured, LifecycleState::kInactive, LifecycleState::kActive,
     LifecycleState::kFinalized};
+
+/// In the order of the transitions that lead into them.
+inline constexpr std::array<LifecycleState, 5> kStatesOnTheWay = {
+    LifecycleState::kConfiguring, LifecycleState::kCleaningUp, LifecycleState::kActivating,
+    LifecycleState::kDeactivating, LifecycleState::kShuttingDown};
 
 inline constexpr std::array<LifecycleTransition, 7> kLifecycleTransitions = {{
     {1, "configure", LifecycleState::kUnconfigured, LifecycleState::kInactive},
@@ -47,6 +59,16 @@ inline constexpr std::array<LifecycleTransition, 7> kLifecycleTransitions = {{
       return "active";
     case LifecycleState::kFinalized:
       return "finalized";
+    case LifecycleState::kConfiguring:
+      return "configuring";
+    case LifecycleState::kCleaningUp:
+      return "cleaningup";
+    case LifecycleState::kShuttingDown:
+      return "shuttingdown";
+    case LifecycleState::kActivating:
+      return "activating";
+    case LifecycleState::kDeactivating:
+      return "deactivating";
   }
   return "unknown";
 }
@@ -61,6 +83,21 @@ inline constexpr std::array<LifecycleTransition, 7> kLifecycleTransitions = {{
     if (transition.start == state && is_meant) return &transition;
   }
   return nullptr;
+}
+
+/// ROS 2 tells each transition in two steps: into the state on the way, and out of it. The first.
+[[nodiscard]] constexpr LifecycleTransition first_step(const LifecycleTransition& transition) {
+  const std::size_t place = transition.id < 5U ? transition.id - 1U : 4U;  // three are shutdowns
+  return {transition.id, transition.label, transition.start, kStatesOnTheWay.at(place)};
+}
+
+/// The second: to the goal or, after a failure, back to where it started.
+[[nodiscard]] constexpr LifecycleTransition second_step(const LifecycleTransition& transition,
+                                                        bool succeeds) {
+  const unsigned kind = transition.id < 5U ? transition.id : 5U;
+  const unsigned id = 10U * kind + (succeeds ? 0U : 1U);
+  return {static_cast<std::uint8_t>(id), succeeds ? "transition_success" : "transition_failure",
+          first_step(transition).goal, succeeds ? transition.goal : transition.start};
 }
 
 }  // namespace strata::runtime

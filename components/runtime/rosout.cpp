@@ -18,9 +18,10 @@ std::string logger_name(const std::string& node) {
 
 }  // namespace
 
-Rosout::Rosout(std::shared_ptr<bus::Participant> participant, const std::string& node)
+Rosout::Rosout(std::shared_ptr<bus::Participant> participant, const std::string& node,
+               const std::string& topic)
     : name_(logger_name(node)),
-      writer_(std::move(participant), "/rosout", bus::qos_profile("rosout")) {}
+      writer_(std::move(participant), topic, bus::qos_profile("rosout")) {}
 
 void Rosout::log(LogLevel level, const std::string& text, Stamp stamp) {
   rcl_interfaces::msg::Log message;

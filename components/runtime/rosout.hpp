@@ -20,7 +20,9 @@ enum class LogLevel : std::uint8_t { kDebug = 10, kInfo = 20, kWarn = 30, kError
 class Rosout {
  public:
   /// node: its full name, "/robot1/localizer", which logs as "robot1.localizer".
-  Rosout(std::shared_ptr<bus::Participant> participant, const std::string& node);
+  /// topic: where it goes, resolved.
+  Rosout(std::shared_ptr<bus::Participant> participant, const std::string& node,
+         const std::string& topic = "/rosout");
 
   void log(LogLevel level, const std::string& text, Stamp stamp);
   /// Warns of what `health` complains of and did not the last time; but for `said`, which went out

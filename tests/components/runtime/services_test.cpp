@@ -113,11 +113,11 @@ TEST_F(Services, LeadAComponentThroughItsLife) {
   EXPECT_TRUE(change_state(1));
   EXPECT_TRUE(change_state(3));
   EXPECT_EQ(state(), "active");
-  const auto seen = events.wait_for(5);
-  ASSERT_GE(seen.size(), 5U);
-  EXPECT_EQ(seen[4].transition().label(), "activate");
-  EXPECT_EQ(seen[4].start_state().label(), "inactive");
-  EXPECT_EQ(seen[4].goal_state().id(), 3);
+  const auto seen = events.wait_for(10);  // two of each
+  ASSERT_GE(seen.size(), 10U);
+  EXPECT_EQ(seen[8].transition().label(), "activate");
+  EXPECT_EQ(seen[8].start_state().label(), "inactive");
+  EXPECT_EQ(seen[9].goal_state().id(), 3);
 }
 
 TEST_F(Services, RefuseATransitionThatDoesNotStartHere) {
