@@ -12,6 +12,7 @@ struct MapSaverConfig {
   std::string folder;
   std::string topic = "map";
   double save_map_timeout_s = 2.0;
+  bool map_subscribe_transient_local = true;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("folder", c.folder,
@@ -21,6 +22,9 @@ struct MapSaverConfig {
     v.field("topic", c.topic, {.doc = "saved when the request names no topic"});
     v.field("save_map_timeout_s", c.save_map_timeout_s,
             {.doc = "how long a request waits for a map", .unit = "s", .min = 0.0, .max = 60.0});
+    v.field("map_subscribe_transient_local", c.map_subscribe_transient_local,
+            {.doc = "take the map as it was published last; false: wait for the next one, of "
+                    "publishers that do not latch theirs too"});
   }
 };
 

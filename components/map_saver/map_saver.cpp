@@ -71,7 +71,7 @@ float threshold_or(float asked, float standard) { return asked == 0.0F ? standar
 
 void MapSaver::on_configure() {
   config_ = read_parameters<MapSaverConfig>();
-  keep_live(config_, {"folder", "topic", "save_map_timeout_s"});
+  keep_live(config_, {"folder", "topic", "save_map_timeout_s", "map_subscribe_transient_local"});
   offer<bus::srv::SaveMap>("~/save_map", [this](const auto& request) {
     nav2_msgs::srv::SaveMap_Response response;
     response.result(false);  // also when what follows throws
@@ -86,12 +86,13 @@ std::optional<nav_msgs::msg::OccupancyGrid> MapSaver::wait_for_map(const std::st
   std::mutex mutex;
   std::condition_variable changed;
   std::optional<nav_msgs::msg::OccupancyGrid> map;
-  const bus::Reader<nav_msgs::msg::OccupancyGrid> reader(
-      context().participant, topic, bus::qos_profile("latched"), [&](const auto& message) {
-        const std::lock_guard lock(mutex);
-        map = message;
-        changed.notify_all();
-      });
+  const auto qos = bus::qos_profile(config_.map_subscribe_transient_local ? "latched" : "default");
+  const bus::Reader<nav_msgs::msg::OccupancyGrid> reader(context().participant, topic, qos,
+                                                         [&](const auto& message) {
+                                                           const std::lock_guard lock(mutex);
+                                                           map = message;
+                                                           changed.notify_all();
+                                                         });
   std::unique_lock lock(mutex);
   changed.wait_for(lock, std::chrono::duration<double>(config_.save_map_timeout_s),
                    [&] { return map.has_value(); });
@@ -115,7 +116,9 @@ void MapSaver::save(const nav2_msgs::srv::SaveMap_Request& request) const {
   const auto message = wait_for_map(topic);
   if (!message) {
     throw InputError(place, "no map came on " + topic,
-                     "see with `strata doctor` whether it is published, latched");
+                     config_.map_subscribe_transient_local
+                         ? "see with `strata doctor` whether it is published, latched"
+                         : "see with `strata doctor` whether it is published again and again");
   }
   ReflectionGrid map = convert::from_message(*message);
   if (format.mode == log::MapMode::kTrinary) make_trinary(map, free, occupied);

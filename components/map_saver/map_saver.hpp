@@ -12,9 +12,9 @@ namespace strata::map_saver {
 
 /// Service ~/save_map, as nav2's map_saver: waits for the map on map_topic and writes map_url.yaml
 /// and map_url.pgm or .png. The map is taken as it was published last, so the topic must be
-/// latched. Image formats: pgm, png; modes: trinary, scale (as png only), raw; left empty, pgm and
-/// trinary, and png for scale. The thresholds asked for stand in the file; 0 are nav2's, 0.25 and
-/// 0.65.
+/// latched; without map_subscribe_transient_local as it is published next. Image formats: pgm, png;
+/// modes: trinary, scale (as png only), raw; left empty, pgm and trinary, and png for scale. The
+/// thresholds asked for stand in the file; 0 are nav2's, 0.25 and 0.65.
 class MapSaver final : public runtime::Component {
  public:
   using Component::Component;

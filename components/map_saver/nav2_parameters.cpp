@@ -14,7 +14,7 @@ runtime::StandIn nav2_stand_in() {
             for (const char* name : {"free_thresh_default", "occupied_thresh_default"}) {
               t.ignore(name, "a request without thresholds means 0.25 and 0.65");
             }
-            t.ignore("map_subscribe_transient_local", "it asks for latched maps");
+            t.map_as_it_is<bool>("map_subscribe_transient_local", "map_subscribe_transient_local");
             t.ignore("bond_heartbeat_period", "the bond has its own period");
             for (const char* name : {"introspection_mode", "service_introspection_mode"}) {
               t.ignore(name, "services are not recorded");

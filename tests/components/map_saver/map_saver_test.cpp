@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <thread>
 #include <tuple>
 
 #include <gtest/gtest.h>
@@ -130,6 +131,34 @@ TEST_F(SaveMap, RefusesWhatItCannotDoAndWritesNothing) {
   EXPECT_FALSE(save(request)) << "into a folder that is not there";
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
   EXPECT_EQ(host_->take_errors().size(), 6U);
+}
+
+TEST(SaveMaps, WaitForTheNextMapWhereItsPublisherLatchesNone) {
+  const test::TemporaryDirectory folder;
+  runtime::Registry registry;
+  register_component(registry);
+  const auto host = test::make_host(
+      "{type: strata::MapSaver, name: map_saver, parameters: {folder: '" + folder.path().string() +
+          "', save_map_timeout_s: 20, "
+          "map_subscribe_transient_local: false}}",
+      registry, test::make_participant());
+  host->activate();
+  bus::Writer<nav_msgs::msg::OccupancyGrid> writer(test::make_participant(), "/map",
+                                                   bus::qos_profile("default"));
+  const std::jthread publisher([&](const std::stop_token& stop) {
+    if (!writer.raw().wait_for_readers(1, std::chrono::seconds(20))) return;
+    const ReflectionGrid grid = make_reflection_grid(0.1, CellRect{{0, 0}, {4, 6}});
+    while (!stop.stop_requested()) {
+      writer.publish(convert::to_occupancy(grid, Stamp(), "map"));
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  nav2_msgs::srv::SaveMap_Request request;
+  request.map_url("next");
+  const auto response = bus::call_service<bus::srv::SaveMap>(
+      test::make_participant(), "/map_saver/save_map", request, std::chrono::seconds(40));
+  EXPECT_TRUE(response && response->result());
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "next.yaml"));
 }
 
 TEST(SaveMaps, TwoInOneProcessSaveTheMapsOfTheirOwnNamespaces) {
