@@ -113,11 +113,13 @@ void Localizer::offer_site() {
 
 void Localizer::offer_zones() {
   if (config_.zones.topic.empty()) return;
-  zone_topics_ =
-      std::make_unique<ZoneTopics>(config_.zones, config_.map_frame, [this](site::MaskKind kind) {
+  zone_topics_ = std::make_unique<ZoneTopics>(
+      config_.zones, config_.map_frame,
+      [this](site::MaskKind kind) {
         const std::string topic = config_.zones.topic + "/" + site::name_of(kind);
         return advertise_mask(topic, topic + "_info");
-      });
+      },
+      [this] { return now(); });
 }
 
 void Localizer::use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaussian>& start) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/localizer/zone_topics.hpp"
 
-#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <string_view>
@@ -12,12 +11,6 @@
 
 namespace strata::localizer {
 namespace {
-
-Stamp now() {
-  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(
-                   std::chrono::system_clock::now().time_since_epoch())
-                   .count()};
-}
 
 /// Of all that a reader would see another way.
 std::size_t hash_of(const site::ZoneMask& mask) {
@@ -38,8 +31,8 @@ std::size_t hash_of(const site::ZoneMask& mask) {
 }  // namespace
 
 ZoneTopics::ZoneTopics(const ZoneTopicsConfig& config, std::string map_frame,
-                       const Advertise& advertise)
-    : config_(config), map_frame_(std::move(map_frame)) {
+                       const Advertise& advertise, Now now)
+    : config_(config), map_frame_(std::move(map_frame)), now_(std::move(now)) {
   for (const site::MaskKind kind : site::all_mask_kinds()) {
     topics_.push_back({kind, advertise(kind), std::nullopt});
   }
@@ -68,7 +61,7 @@ std::string ZoneTopics::send(const site::Site& site) {
   for (std::size_t i = 0; i < topics_.size(); ++i) {
     const std::size_t hash = hash_of(masks[i]);
     if (topics_[i].sent == hash) continue;
-    topics_[i].mask.send(masks[i].values, masks[i].meaning, now(), map_frame_);
+    topics_[i].mask.send(masks[i].values, masks[i].meaning, now_(), map_frame_);
     topics_[i].sent = hash;
   }
   return site::narrow_zones(zones, map.resolution_m(), rect);

@@ -12,6 +12,7 @@
 #include "components/localizer/filter_mask.hpp"
 #include "components/site/site.hpp"
 #include "core/base/config.hpp"
+#include "core/base/time.hpp"
 
 namespace strata::localizer {
 
@@ -37,8 +38,11 @@ class ZoneTopics {
  public:
   /// The topics of a mask of that kind.
   using Advertise = std::function<FilterMask(site::MaskKind kind)>;
+  /// The node's time, from any thread.
+  using Now = std::function<Stamp()>;
 
-  ZoneTopics(const ZoneTopicsConfig& config, std::string map_frame, const Advertise& advertise);
+  ZoneTopics(const ZoneTopicsConfig& config, std::string map_frame, const Advertise& advertise,
+             Now now);
 
   /// Sends the masks that are not as they were sent last, on the cells of the active map and of the
   /// zones. Zones that cannot be read leave all as they are. One thread at a time. O(cells).
@@ -58,6 +62,7 @@ class ZoneTopics {
   };
   ZoneTopicsConfig config_;
   std::string map_frame_;
+  Now now_;
   std::vector<Topic> topics_;
   mutable std::mutex mutex_;
   std::string fault_;  // under mutex_

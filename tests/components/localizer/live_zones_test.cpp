@@ -95,6 +95,23 @@ TEST_F(LiveZones, AreToldToLateJoinersAsTheyAreNow) {
   EXPECT_EQ(value_at(keepout_.wait_for(1).back(), 1.5, 1.5), 60);
 }
 
+TEST_F(LiveZones, AreStampedWithTheTimeOfTheNode) {
+  bus::Writer<rosgraph_msgs::msg::Clock> clock(robot_, "/clock", bus::qos_profile("clock"));
+  std::string parameters = parameters_in(site_->folder());
+  start(parameters.insert(1, "use_sim_time: true, "));
+  rosgraph_msgs::msg::Clock now;
+  now.clock().sec(4242);
+  ASSERT_TRUE(test::comes_true([&] {
+    clock.publish(now);
+    host_->tick();
+    const auto all = diagnostics_.wait_for(0);
+    return !all.empty() && all.back().header().stamp() == now.clock();
+  }));
+  add(square(1.0, 1.0, {{"name", "dock"}, {"kind", "keepout"}}));
+  ASSERT_TRUE(says(keepout_, 1.5, 1.5, 100));
+  EXPECT_EQ(keepout_.wait_for(1).back().header().stamp(), now.clock());
+}
+
 TEST_F(LiveZones, ThatDoNothingAreToldOf) {
   const MetricPolygon tape{{{1.0, 1.01}, {2.0, 1.01}, {2.0, 1.02}, {1.0, 1.02}}, {}};
   add(site::zones_of(site::to_feature({tape}, {{"name", "tape"}, {"kind", "keepout"}}), "test"));
