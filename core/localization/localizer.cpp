@@ -43,10 +43,17 @@ void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
       std::exchange(model_, own != nullptr ? own : std::move(model));
   own_model_ = std::move(own);
   if (!is_started_) return;
-  recall_scout();
+  adopt_particles(*before);
+  if (scout_ == nullptr) return;
+  scout_->model_ = model_;
+  scout_->adopt_particles(*before);
+}
+
+/// What particles knew by the model before becomes what they know by the one that is there now.
+void Localizer::adopt_particles(const SensorModel& before) {
   if (const PatchStates* states = model_->patch_states()) {
     // A step of its own, so that its draws are not those of the next scan's transition.
-    states->adopt(before->patch_states(), seed_, ++step_, particles_);
+    states->adopt(before.patch_states(), seed_, ++step_, particles_);
   } else {
     particles_.belief_columns = 0;
     particles_.beliefs.clear();

@@ -91,16 +91,13 @@ class Localizer {
   /// Where recovery may look for the robot; without it (or a global start) it does nothing. A drop
   /// of the likelihood replaces some particles by random ones (augmented MCL); when the filter
   /// stays lost, half of the weight goes to as many as a global start has, and the old ones
-  /// compete.
-  void set_free_space(const ReflectionGrid& map) {
-    free_space_ = FreeSpace(map);
-    if (config_.global_search.is_used) finder_.set_map(map);
-    recall_scout();
-  }
+  /// compete. In the middle of a run what is searched is searched for on.
+  void set_free_space(const ReflectionGrid& map);
 
   /// Another map, in the middle of a run: poses and weights stay, and so does what is believed of
-  /// sub-maps that both maps have (PatchStates::adopt). Works before a start too. Throws
-  /// std::invalid_argument for null, and keeps the map that it had.
+  /// sub-maps that both maps have (PatchStates::adopt); doubts of the pose stay too, and a search
+  /// beside it goes on in the new map. Works before a start too. Throws std::invalid_argument for
+  /// null, and keeps the map that it had.
   void set_model(std::shared_ptr<const SensorModel> model);
 
   /// The next usable scan is weighed, whatever the gating says.
@@ -150,6 +147,7 @@ class Localizer {
   [[nodiscard]] Pose2Gaussian watch(const Observation& observation, const Pose2Gaussian& pose,
                                     bool weighed);
   void send_scout(const Observation& observation);
+  void adopt_particles(const SensorModel& before);
   void recall_scout();
   [[nodiscard]] bool is_contested() const { return contested_scans_ > 0; }
   [[nodiscard]] bool is_refuted_by_scout(const Pose2& pose) const;

@@ -77,6 +77,13 @@ void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
   }
 }
 
+void Localizer::set_free_space(const ReflectionGrid& map) {
+  free_space_ = FreeSpace(map);
+  if (!config_.global_search.is_used) return;
+  finder_.set_map(map);
+  if (scout_ != nullptr) scout_->finder_.share_map(finder_);
+}
+
 void Localizer::initialize_global(const ReflectionGrid& map) {
   set_free_space(map);
   initialize_global();

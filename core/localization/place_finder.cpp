@@ -1,9 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/place_finder.hpp"
 
+#include <algorithm>
+
 namespace strata::localization {
+namespace {
+
+bool is_same(const ReflectionGrid& a, const ReflectionGrid& b) {
+  return a.rect() == b.rect() && a.resolution_m() == b.resolution_m() &&
+         std::equal(a.values().begin(), a.values().end(), b.values().begin(),
+                    [](float x, float y) { return x == y || (!is_known(x) && !is_known(y)); });
+}
+
+}  // namespace
 
 void PlaceFinder::set_map(const ReflectionGrid& map) {
+  if (map_ != nullptr && is_same(*map_, map)) return;
   map_ = std::make_shared<const ReflectionGrid>(map);
   search_.reset();
 }

@@ -52,8 +52,15 @@ class PlaceFinder {
  public:
   explicit PlaceFinder(const PlaceFinderConfig& config) : config_(config) {}
 
-  /// The map of later searches. Its table is made when it is first needed.
+  /// The map of later searches. Its table is made when it is first needed, and kept when the same
+  /// map comes again.
   void set_map(const ReflectionGrid& map);
+  /// That of another one, with its table.
+  void share_map(const PlaceFinder& other) {
+    if (map_ == other.map_) return;
+    map_ = other.map_;
+    search_ = other.search_;
+  }
   [[nodiscard]] bool has_map() const { return map_ != nullptr && map_->size() > 0; }
 
   void forget_scans() { scans_.clear(); }

@@ -3,13 +3,16 @@
 /// watch_alike_places_test.cpp; where the map ends: watch_beyond_map_test.cpp.
 #include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/localization/localizer.hpp"
 #include "core/localization/range_provider_model.hpp"
-#include "tests/core/localization/box_world.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
+#include "tests/core/localization/box_map.hpp"
 
 namespace strata::localization {
 namespace {
@@ -35,8 +38,8 @@ Localizer watched(const ReflectionGrid& map, bool is_used, int threads = 1) {
   return localizer;
 }
 
-/// Tracked for 20 scans, then carried to the other end of the room.
-std::vector<Observation> carried_away(int scans_there) {
+/// Tracked for 20 scans, then carried to the other end of the room. truth: at the last scan.
+std::vector<Observation> carried_away(int scans_there, Pose2* truth = nullptr) {
   std::vector<Observation> seen;
   Drive drive({3.0, 2.5, 0.0}, 65);
   for (int n = 0; n < 20 + scans_there; ++n) {
@@ -44,6 +47,7 @@ std::vector<Observation> carried_away(int scans_there) {
     drive.step({n < 20 ? 0.1 : 0.05, 0.0, 0.02});
     seen.push_back(drive.look(kRoom, 8.0, 60));
   }
+  if (truth != nullptr) *truth = drive.truth();
   return seen;
 }
 
@@ -75,6 +79,57 @@ TEST(LocalizerWatch, FindsARobotThatWasCarriedAwayAndIsNotSureMeanwhile) {
     EXPECT_TRUE(is_used || !was_ambiguous);
     EXPECT_EQ(was_recovering, is_used);
   }
+}
+
+/// With a sub-map whose other configuration has a box more.
+std::shared_ptr<const SensorModel> patch_model() {
+  auto map = std::make_shared<patch::PatchMap>();
+  map->base = map_of_room();
+  BoxWorld other = kRoom;
+  other.push_back({5.0, 1.0, 5.6, 1.6});
+  map->submaps.push_back(test::submap_of(0, {{80, 0}, {130, 60}}, {kRoom, other}));
+  return std::make_shared<patch_beams::PatchBeamModel>(map, patch_beams::PatchBeamModelConfig{});
+}
+
+// As of somebody who maps, once a second: the same to the bit, or by models of other kinds.
+TEST(LocalizerWatch, FindsARobotThatWasCarriedAwayWhileMapsCome) {
+  const ReflectionGrid map = map_of_room();
+  const ReflectionGrid grown = test::rasterize(kRoom, 0.05, {{-20, -20}, {260, 140}});
+  for (const bool are_other : {false, true}) {
+    Localizer localizer = watched(map, true);
+    Pose2 truth;
+    const std::vector<Observation> seen = carried_away(100, &truth);
+    std::optional<double> relocated_m;
+    for (std::size_t n = 0; n < seen.size(); ++n) {
+      if (n % 5 == 0) {
+        const bool is_other = are_other && n % 10 == 0;
+        localizer.set_model(is_other ? patch_model() : make_grid_beam_model(map));
+        localizer.set_free_space(is_other ? grown : map);
+      }
+      const LocalizationResult& result = localizer.update(seen[n]);
+      if (result.relocated_m) relocated_m = result.relocated_m;
+    }
+    EXPECT_TRUE(relocated_m) << "nothing was found, of other maps: " << are_other;
+    EXPECT_LT(translation_distance(localizer.result().pose.mean, truth), 0.3) << are_other;
+  }
+}
+
+TEST(LocalizerWatch, LeavesAPoseInDoubtAndItsSearchAsTheyAreWhenAMapComes) {
+  const ReflectionGrid map = map_of_room();
+  Localizer with = watched(map, true);
+  Localizer without = watched(map, true);
+  std::size_t contested = 0;
+  for (const Observation& observation : carried_away(60)) {
+    with.set_model(make_grid_beam_model(map));
+    with.set_free_space(map);
+    const LocalizationResult& result = with.update(observation);
+    const LocalizationResult& expected = without.update(observation);
+    ASSERT_EQ(result.is_ambiguous, expected.is_ambiguous);
+    ASSERT_EQ(result.relocated_m, expected.relocated_m);
+    ASSERT_EQ(result.pose.mean, expected.pose.mean);
+    contested += result.is_ambiguous ? 1 : 0;
+  }
+  EXPECT_GT(contested, 2U) << "nothing was doubted";
 }
 
 TEST(LocalizerWatch, TellsBothPlacesWhileTheOtherIsLikelierAndNotConfirmed) {
