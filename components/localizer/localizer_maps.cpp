@@ -139,12 +139,13 @@ void Localizer::use_maps(const maps::Maps& maps, maps::MapModel model,
     localizer_->set_free_space(maps.filtered);
     return;
   }
-  localizer_ = make_filter(config_, model_, maps, context().seed, context().threads);
+  auto filter = make_filter(config_, model_, maps, context().seed, context().threads);
   if (start) {
-    localizer_->initialize(*start);
+    filter->initialize(*start);
   } else {
-    localizer_->initialize_global();
+    filter->initialize_global();
   }
+  localizer_ = std::move(filter);  // last: in a map without a free cell nothing has begun
 }
 
 void Localizer::know_maps(const maps::Maps& maps, maps::MapModel model,

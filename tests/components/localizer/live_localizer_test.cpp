@@ -179,6 +179,26 @@ TEST_F(LiveLocalizer, BeginsAtItsStartWhenItIsConfiguredAgain) {
   EXPECT_TRUE(host_->take_errors().empty());
 }
 
+// As a SLAM publishes it that has seen nothing yet.
+TEST_F(LiveLocalizer, BeginsInTheNextMapWhereTheFirstOneHasNoFreeCell) {
+  start("{model: occupancy, localizer: {global_start: {max_particles: 3000}}}");
+  bus::Writer<nav_msgs::msg::OccupancyGrid> map(robot_, "/map", bus::qos_profile("latched"));
+  map.publish(
+      convert::to_occupancy(make_reflection_grid(0.05, {{0, 0}, {40, 40}}), Stamp(), "map"));
+  std::vector<std::string> errors;
+  while (errors.empty() && next_scan_ < scan_count_ / 2) {
+    player_->publish(next_scan_++);
+    (void)poses_.wait_for(1, std::chrono::milliseconds(100));
+    errors = host_->take_errors();
+  }
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_THAT(errors[0], ::testing::HasSubstr("no free cell"));
+  map.publish(
+      convert::to_occupancy(maps::read_maps(room().folder.path()).occupancy, Stamp(), "map"));
+  (void)next_pose();
+  EXPECT_TRUE(host_->take_errors().empty());
+}
+
 TEST_F(LiveLocalizer, GoesOnWhereItWasWhenItsProcessEnds) {
   const test::TemporaryDirectory folder;
   const auto with_store = [&](bool knows_start) {
