@@ -13,14 +13,6 @@ namespace {
 constexpr auto kScanPatience = std::chrono::seconds(5);
 constexpr const char* kNoScans = "no scan has come for 5 s";
 
-/// Nothing: anywhere.
-std::optional<Pose2Gaussian> start_of(const StartConfig& start) {
-  const std::vector<double>& pose = start.pose;
-  if (pose.empty()) return std::nullopt;
-  return Pose2Gaussian{Pose2{pose[0], pose[1], pose[2]},
-                       pose_covariance(start.stddev_m, start.stddev_rad)};
-}
-
 }  // namespace
 
 void Localizer::on_configure() {
@@ -30,14 +22,14 @@ void Localizer::on_configure() {
   std::optional<LoadedMaps> loaded;
   const LoadedMaps* known = nullptr;
   if (!config_.maps.empty() && is_building(config_.maps)) {
-    known = &begin_levels(start_of(config_.start));
+    known = &begin_levels(start_pose());
   } else if (!config_.maps.empty()) {
     map_source_.emplace(config_.maps, [config = config_](const std::filesystem::path& folder) {
       return make_maps(folder, config);
     });
     loaded = map_source_->load();
     known = &*loaded;
-    use_maps(*known, start_of(config_.start));
+    use_maps(*known, start_pose());
   }
   advertise_topics();
   begin_journal();
@@ -86,15 +78,6 @@ bool Localizer::resume(const Observation& observation) {
             " or call reinitialize_global_localization"));
   }
   return true;
-}
-
-std::optional<Pose2Gaussian> Localizer::place_now(const Observation& observation) const {
-  if (!place_) return start_of(config_.start);
-  Pose2Gaussian place = place_->map_from_robot;
-  if (place_->has_odometry && observation.has_odometry) {
-    place.mean = place.mean * between(place_->odom_from_robot, observation.odom_from_robot);
-  }
-  return place;
 }
 
 void Localizer::on_observation(const Observation& observation) {
@@ -196,6 +179,9 @@ void Localizer::localize(const Observation& observation) {
   } else if (journal_) {
     journal_->after(observation, result.pose, config_.map_frame);
   }
+  // Of a building the filter's own: that of all levels tells a place on each.
+  const localization::LocalizationResult& own = localizer_->result();
+  was_placed_ |= !own.is_ambiguous || !own.places.empty();
   publish_level(stamp);
   publish_pose(observation, result.pose, refined);
   publish_particles(stamp);
@@ -285,7 +271,7 @@ void Localizer::on_cleanup() {
   place_.reset();  // its odometry may begin anew before the next configure
   store_.reset();
   waits_for_odometry_ = false;
-  was_ambiguous_ = false;
+  was_ambiguous_ = was_placed_ = false;
   health_.reset();
   update_times_ = {};
   maps_taken_ = 0;

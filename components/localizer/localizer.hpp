@@ -33,10 +33,10 @@
 namespace strata::localizer {
 
 /// Out, once a scan: amcl_pose, refined_pose where the filter is sure, map -> odom on /tf (REP 105;
-/// as AMCL), particle_cloud, submap_states (maps with sub-maps only), localization_health,
-/// localization_score; place_candidates while several are possible; map_current when what is
-/// believed of a sub-map changes, and with each new map, change_mask beside it and once
-/// change_mask_info where they are asked for. Services, as AMCL's:
+/// as AMCL; not before a pose was told or a first place found), particle_cloud, submap_states (maps
+/// with sub-maps only), localization_health, localization_score; place_candidates while several are
+/// possible; map_current when what is believed of a sub-map changes, and with each new map,
+/// change_mask beside it and once change_mask_info where they are asked for. Services, as AMCL's:
 /// reinitialize_global_localization, request_nomotion_update, set_initial_pose. In: initialpose,
 /// and the maps when no MAPS folder is named (or map_topics.follow): scans that come before them
 /// are passed over, and when one comes again the robot goes on in it, with the particles that it
@@ -107,6 +107,8 @@ class Localizer final : public runtime::SensorComponent {
   /// Begins where the robot was when the process before this one ended, at the first observation
   /// for which there is a map; false when that cannot be told before odometry comes.
   [[nodiscard]] bool resume(const Observation& observation);
+  /// As it is configured; nothing: anywhere.
+  [[nodiscard]] std::optional<Pose2Gaussian> start_pose() const;
   [[nodiscard]] std::optional<Pose2Gaussian> place_now(const Observation& observation) const;
   void localize(const Observation& observation);
   void begin_journal();
@@ -170,6 +172,7 @@ class Localizer final : public runtime::SensorComponent {
   std::function<void(const tf2_msgs::msg::TFMessage&)> publish_tf_;
   std::function<void(const nav2_msgs::msg::ParticleCloud&)> publish_candidates_;
   bool was_ambiguous_ = false;
+  bool was_placed_ = false;  ///< since it was configured: told, or found in a first search
   std::function<void(const strata_msgs::msg::SubmapStates&)> publish_states_;
   /// null: the maps are of no folder, or have no sub-maps
   std::function<void(const strata_msgs::msg::PatchMap&)> publish_patch_map_;

@@ -159,6 +159,22 @@ void Localizer::know_maps(const maps::Maps& maps, maps::MapModel model,
   if (store_ && store_->has_place()) kept_map_ = maps.filtered;
 }
 
+std::optional<Pose2Gaussian> Localizer::start_pose() const {
+  const std::vector<double>& pose = config_.start.pose;
+  if (pose.empty()) return std::nullopt;
+  return Pose2Gaussian{Pose2{pose[0], pose[1], pose[2]},
+                       pose_covariance(config_.start.stddev_m, config_.start.stddev_rad)};
+}
+
+std::optional<Pose2Gaussian> Localizer::place_now(const Observation& observation) const {
+  if (!place_) return start_pose();
+  Pose2Gaussian place = place_->map_from_robot;
+  if (place_->has_odometry && observation.has_odometry) {
+    place.mean = place.mean * between(place_->odom_from_robot, observation.odom_from_robot);
+  }
+  return place;
+}
+
 void Localizer::subscribe_maps() {
   live_maps_.emplace(maps::map_models().at(config_.model), config_.map_topics);
   live_maps_->begin_with(no_maps(config_));

@@ -102,7 +102,7 @@ void Localizer::publish_pose(const Observation& observation, const Pose2Gaussian
   const Pose2Gaussian& pose = refined && config_.pose == PoseOut::kRefined ? *refined : filtered;
   message.pose(convert::to_pose_with_covariance(pose));
   publish_pose_(message);
-  if (!config_.publish_tf || !observation.has_odometry) return;
+  if (!config_.publish_tf || !observation.has_odometry || !was_placed_) return;
   const Pose2 map_from_odom = pose.mean * inverse(observation.odom_from_robot);
   tf2_msgs::msg::TFMessage tf;
   // Dated ahead: who asks for the robot's place now, as a costmap does, would else have to wait for

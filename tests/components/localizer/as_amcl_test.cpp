@@ -77,6 +77,35 @@ TEST_F(LikeAmcl, TellsACostmapBetweenTwoScansWhereTheRobotIsNow) {
       << "older than it may be used";
 }
 
+TEST_F(LikeAmcl, TellsNoTransformBeforeAFirstPlaceIsFound) {
+  // More places fit than are kept: it waits for more scans.
+  start("{maps: '" + room().folder.path().string() +
+        "', model: filtered, localizer: {global_search: {patience: 6, search: {max_candidates: "
+        "1}}}}");
+  test::Collector<tf2_msgs::msg::TFMessage> transforms(robot_, "/tf", "tf");
+  test::Collector<nav2_msgs::msg::ParticleCloud> candidates(robot_, "/place_candidates", "default");
+  ASSERT_TRUE(transforms.wait_for_writer() && candidates.wait_for_writer());
+  std::optional<Stamp> found;
+  Stamp last;
+  for (std::size_t empty = 0; !found && next_scan_ < scan_count_;) {
+    last = convert::from_message(next_pose().header().stamp());
+    for (const auto& cloud : candidates.wait_for(++empty)) {
+      if (found || cloud.particles().empty()) continue;
+      found = convert::from_message(cloud.header().stamp());
+      EXPECT_GT(empty, 4U) << "nothing was waited for";
+    }
+  }
+  ASSERT_TRUE(found);
+  std::map<Stamp, Pose2> samples;
+  for (std::size_t seen = 0; !samples.contains(last + kTolerance);) {
+    const auto messages = transforms.wait_for(seen + 1);
+    ASSERT_GT(messages.size(), seen) << "nothing more comes on /tf";
+    seen = messages.size();
+    samples = corrections_in(messages);
+  }
+  EXPECT_EQ(samples.begin()->first, *found + kTolerance);
+}
+
 TEST_F(LikeAmcl, DatesTheTransformAsItsParameterSays) {
   std::string text = parameters_of("filtered", false);
   text.pop_back();
