@@ -81,6 +81,10 @@ bool Localizer::resume(const Observation& observation) {
 }
 
 void Localizer::on_observation(const Observation& observation) {
+  if (!localizer_ && place_ && !place_->has_odometry && observation.has_odometry) {
+    place_->odom_from_robot = observation.odom_from_robot;  // it drives on before the map comes
+    place_->has_odometry = true;
+  }
   take_folder();
   take_levels();
   if (live_maps_ && live_maps_->has_news()) {
