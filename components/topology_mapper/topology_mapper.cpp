@@ -24,6 +24,8 @@ namespace {
 
 constexpr double kSurroundings_m = 0.05;    ///< its cells
 constexpr std::size_t kSurroundings = 100;  ///< scans
+/// Between the last scan by a clock and the first after it was set back.
+constexpr double kStep_s = 0.1;
 
 }  // namespace
 
@@ -67,21 +69,27 @@ void TopologyMapper::on_activate() {
 }
 
 bool TopologyMapper::resume(const Observation& first) {
-  const double since_s = (first.scan.stamp - restored_->stamp).seconds();
-  if (since_s <= 0.0) {
-    tell(InputError(config_.store.file,
-                    "its newest scan is " + std::to_string(-since_s) + " s ahead of the clock",
-                    "set the clock, or remove the file to begin anew; until the clock has passed "
-                    "it, scans are left out"));
-  }
   const runtime::KeptMoment kept{restored_->stamp, restored_->odom_from_robot.has_value()};
   waits_for_odometry_ = config_.input.use_odometry &&
                         runtime::needs_odometry(kept, first, config_.store.dead_reckoning);
   if (waits_for_odometry_) return false;
+  const double since_s = (first.scan.stamp - restored_->stamp).seconds();
+  if (since_s <= 0.0) {
+    tell(InputError(config_.store.file,
+                    "its newest scan is " + std::to_string(-since_s) + " s ahead of the clock",
+                    "see whether the clock is right; the way is gone on with, and as many seconds "
+                    "are added to its stamps"));
+    go_on_after(restored_->stamp, first.scan.stamp);
+  }
   if (!has_gone_on(kept, first)) restored_->odom_from_robot.reset();
   mapper_->resume_from(*restored_);
   restored_.reset();
   return true;
+}
+
+/// Visits are in order of time, and a scan is known by its stamp: the way has a time of its own.
+void TopologyMapper::go_on_after(Stamp newest, Stamp first) {
+  ahead_ = newest + Duration::from_seconds(kStep_s) - first;
 }
 
 /// What the newest scans saw tells whether odometry began anew a moment ago.
@@ -116,7 +124,7 @@ void TopologyMapper::mark(Stamp stamp) {
 void TopologyMapper::on_landmark(const geometry_msgs::msg::PointStamped& message) {
   const Stamp stamp = convert::from_message(message.header().stamp());
   if (stamp.ns != 0) {
-    mark(stamp);
+    mark(stamp + ahead_);
   } else if (last_scan_) {
     mark(*last_scan_);
   }
@@ -131,8 +139,11 @@ void TopologyMapper::on_observation(const Observation& scanned) {
     }
   }
   if (restored_ && !resume(observation)) return;
+  if (std::exchange(is_set_back_, false) && mapper_->newest()) {
+    go_on_after(mapper_->newest()->stamp, observation.scan.stamp);
+  }
+  observation.scan.stamp = observation.scan.stamp + ahead_;
   last_scan_ = observation.scan.stamp;
-  is_ahead_ = mapper_->newest() && mapper_->newest()->stamp > observation.scan.stamp;
   const std::size_t scans = mapper_->scans().size();
   std::vector<topology::MadeVisit> visits = mapper_->add(observation, given ? &*given : nullptr);
   if (store_ && mapper_->scans().size() > scans) store_->add(mapper_->scans().back());
@@ -140,9 +151,9 @@ void TopologyMapper::on_observation(const Observation& scanned) {
   update(std::move(visits));
 }
 
-/// Its answers are of visits in order of time.
 std::string TopologyMapper::on_clock_set_back() {
-  return "scans are left out of the topologies until the clock has passed the newest one";
+  is_set_back_ = true;
+  return "the way is gone on with, and what the clock has lost is added to its stamps";
 }
 
 void TopologyMapper::update(std::vector<topology::MadeVisit> visits) {
@@ -200,8 +211,6 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
   diagnose_input(health);
   if (!mapper_) return;
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
-  if (is_ahead_)
-    health.warn("its newest scan is ahead of the clock; scans are left out until then");
   if (mapper_->is_full()) {
     health.warn(
         "the map is complete: its scans use keep.memory_mb, and no more are taken; raise "
@@ -218,6 +227,7 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
   }
   health.add("scans tracked", std::uint64_t{mapper_->tracked_scans()});
   health.add("scans kept", std::uint64_t{mapper_->scans().size()});
+  if (ahead_.ns != 0) health.add("seconds added to stamps", ahead_.seconds());
   health.add("scans left out", std::uint64_t{mapper_->skipped_scans()});
   health.add("landmarks out of order", std::uint64_t{counts.late_visits});
   health.add("landmarks with broken odometry", std::uint64_t{counts.broken_visits});
@@ -236,7 +246,8 @@ void TopologyMapper::on_cleanup() {
   store_.reset();
   restored_.reset();
   waits_for_odometry_ = false;
-  is_ahead_ = false;
+  is_set_back_ = false;
+  ahead_ = {};
   mapper_.reset();
   given_.reset();
   last_scan_.reset();

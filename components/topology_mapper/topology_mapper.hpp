@@ -20,7 +20,8 @@ namespace strata::topology_mapper {
 /// strata::ScanMatcher takes it). Out: topologies (Topologies); at the end of a log, or of the
 /// component's work, the files that `strata topology` writes, without its pictures. It tracks the
 /// robot itself: the poses of strata::ScanMatcher jump where it closes a loop, which is what is
-/// to be decided here. Live it goes on from its store.
+/// to be decided here. Live it goes on from its store. Once the clock was set back its stamps are
+/// ahead of that by the `seconds added to stamps` of /diagnostics: the way has one time.
 class TopologyMapper final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
@@ -45,6 +46,9 @@ class TopologyMapper final : public runtime::SensorComponent {
   [[nodiscard]] bool has_gone_on(const runtime::KeptMoment& kept, const Observation& first);
   /// What the newest kept scans saw, in the frame of their poses.
   [[nodiscard]] ReflectionGrid newest_surroundings() const;
+  /// The next scan follows on the newest one of the way, though its clock is behind that.
+  void go_on_after(Stamp newest, Stamp first);
+  /// stamp: in the way's time.
   void mark(Stamp stamp);
   void on_landmark(const geometry_msgs::msg::PointStamped& message);
   void update(std::vector<topology::MadeVisit> visits);
@@ -58,7 +62,8 @@ class TopologyMapper final : public runtime::SensorComponent {
   std::optional<MapperStore> store_;
   std::optional<topology::TrackedMoment> restored_;  ///< until the first scan comes
   bool waits_for_odometry_ = false;                  ///< to go on from there
-  bool is_ahead_ = false;                            ///< its newest scan, of the clock
+  bool is_set_back_ = false;                         ///< the clock, and no scan has come since
+  Duration ahead_;                                   ///< the way's time, of the scans' clock
   std::chrono::steady_clock::time_point flushed_;
   double update_s_ = 0.0;      ///< wall clock of the last landmark
   double max_update_s_ = 0.0;  ///< ... and of the slowest

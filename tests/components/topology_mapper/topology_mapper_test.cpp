@@ -191,18 +191,47 @@ TEST(TopologyMapper, WarnsThatItsMapIsCompleteWhenItsMemoryIsUsedUp) {
   EXPECT_THAT(robot.warning(), HasSubstr("keep.memory_mb"));
 }
 
-TEST(TopologyMapper, WarnsWhileItsNewestScanIsAheadOfAClockThatWasSetBack) {
-  Robot robot("mapping: {landmarks: {source: given}}");
-  std::vector<Moment> moments = there_and_back();
-  robot.drive(moments);
-  ASSERT_TRUE(robot.says("received /scan", std::to_string(moments.size())));
-  const std::size_t scans = moments.size();
-  moments.resize(20);
-  robot.drive(moments);
-  ASSERT_TRUE(robot.says("received /scan", std::to_string(scans + 20)));
-  EXPECT_THAT(robot.warning(), HasSubstr("ahead of the clock"));
-  EXPECT_THAT(robot.host().take_errors(),
-              testing::Contains(HasSubstr("scans are left out of the topologies")));
+// As NTP sets it when it comes late: the robot drives on.
+TEST(TopologyMapper, GoesOnWithItsWayWhenTheClockIsSetBack) {
+  constexpr double kBack_s = 20.0;
+  Robot robot("mapping: {landmarks: {source: given}}, published_topologies: 50");
+  for (const double time_s : {kThere3, kThere9}) robot.mark(time_s);
+  ASSERT_TRUE(robot.says("received /landmark", "2"));
+  std::vector<Moment> drive = there_and_back();
+  const auto turn = drive.begin() + 55;
+  robot.drive({drive.begin(), turn});
+  ASSERT_EQ(robot.wait_for(2).size(), 2U);
+  ASSERT_TRUE(robot.says("scans tracked", "55"));
+  for (auto later = turn; later != drive.end(); ++later) later->time_s -= kBack_s;
+  robot.drive({turn, turn + 3});
+  ASSERT_TRUE(robot.says("scans tracked", "58"));
+  EXPECT_THAT(robot.host().take_errors(), testing::Contains(HasSubstr("the way is gone on with")));
+  robot.mark(kBack9 - kBack_s);  // by the clock as it is now
+  ASSERT_TRUE(robot.says("received /landmark", "3"));
+  robot.drive({turn + 3, drive.end()});
+  ASSERT_TRUE(robot.says("scans tracked", std::to_string(drive.size())));
+  EXPECT_TRUE(robot.says("scans left out", "0"));
+  const auto told = robot.wait_for(3);
+  ASSERT_EQ(told.size(), 3U);
+  EXPECT_EQ(convert::from_message(told.back()).front().labels, (topology::Labels{0, 1, 1}));
+}
+
+TEST(TopologyMapper, GoesOnFromAStoreThatIsAheadOfTheClock) {
+  const test::TemporaryDirectory folder;
+  const std::string parameters = "store: {file: '" + (folder.path() / "way.db").string() + "'}";
+  std::vector<Moment> drive = there_and_back();
+  {
+    Robot robot(parameters);
+    robot.drive({drive.begin() + 20, drive.begin() + 40});
+    ASSERT_TRUE(robot.says("scans tracked", "20"));
+    robot.end();
+  }
+  for (Moment& moment : drive) moment.time_s -= 20 * kStepS;
+  Robot robot(parameters);
+  robot.drive({drive.begin() + 40, drive.begin() + 50});
+  ASSERT_TRUE(robot.says("scans tracked", "30"));
+  EXPECT_TRUE(robot.says("scans left out", "0"));
+  EXPECT_THAT(robot.host().take_errors(), testing::Contains(HasSubstr("ahead of the clock")));
 }
 
 TEST(TopologyMapper, NamesWhatItLeftOutOnDiagnostics) {
