@@ -43,15 +43,26 @@ std::size_t ScanQueue::expected() const {
                     [this](const Scanner& scanner) { return !is_replaced(scanner); }));
 }
 
-std::size_t ScanQueue::scanner_of(std::size_t topic, const std::string& frame, Stamp now) {
+std::size_t ScanQueue::place_of(std::size_t topic, const std::string& frame) const {
   const auto found = std::find_if(scanners_.begin(), scanners_.end(), [&](const Scanner& scanner) {
     return scanner.topic == topic && scanner.frame == frame;
   });
-  if (found == scanners_.end()) {
-    scanners_.push_back({.topic = topic, .frame = frame, .first = now});
-    return scanners_.size() - 1;
-  }
   return static_cast<std::size_t>(found - scanners_.begin());
+}
+
+std::size_t ScanQueue::scanner_of(std::size_t topic, const std::string& frame, Stamp now) {
+  const std::size_t place = place_of(topic, frame);
+  if (place == scanners_.size()) {
+    scanners_.push_back({.topic = topic, .frame = frame, .first = now});
+  }
+  return place;
+}
+
+bool ScanQueue::takes(std::size_t topic, const std::string& frame) const {
+  if (!orders_ || place_of(topic, frame) < scanners_.size()) return true;
+  const auto is_of_topic = [&](const Scanner& scanner) { return scanner.topic == topic; };
+  const auto frames = std::count_if(scanners_.begin(), scanners_.end(), is_of_topic);
+  return static_cast<std::size_t>(frames) < kMaxFrames;
 }
 
 void ScanQueue::put(WaitingScan waiting) {

@@ -37,9 +37,15 @@ struct Scanner {
 
 class ScanQueue {
  public:
+  /// So many frames of one topic are scanners, where scans are put in order.
+  static constexpr std::size_t kMaxFrames = 32;
+
   /// orders: false in lockstep, where scans come in order.
   explicit ScanQueue(bool orders) : orders_(orders) {}
 
+  /// Whether `add` may be called: false for a frame that is not known where its topic has
+  /// kMaxFrames already, as of a driver that counts in its frame_id. O(scanners).
+  [[nodiscard]] bool takes(std::size_t topic, const std::string& frame) const;
   /// set_back: called when the clock was set back, with the first stamp by the new clock, while the
   /// scans by the old one are still here. O(waiting).
   void add(std::size_t topic, log::SensedScan sensed, const std::function<void(Stamp)>& set_back);
@@ -64,6 +70,7 @@ class ScanQueue {
   [[nodiscard]] std::size_t late() const { return late_; }
 
  private:
+  [[nodiscard]] std::size_t place_of(std::size_t topic, const std::string& frame) const;
   [[nodiscard]] std::size_t scanner_of(std::size_t topic, const std::string& frame, Stamp now);
   void put(WaitingScan waiting);
 

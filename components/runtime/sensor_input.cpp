@@ -121,6 +121,12 @@ void SensorInput::add(const sensor_msgs::msg::PointCloud2& cloud, std::size_t to
 }
 
 void SensorInput::add_sensed(log::SensedScan sensed, std::size_t topic) {
+  if (!queue_.takes(topic, sensed.frame)) {
+    ++of_new_frames_;
+    return warn(config_.all_scan_topics()[topic] + ": scans come in ever new frames, " +
+                std::to_string(ScanQueue::kMaxFrames) + " by now; those of others are left out: " +
+                "have its driver send the same frame_id each time, and begin anew");
+  }
   silence_.hear_scan(sensed.scan.stamp);
   queue_.add(topic, std::move(sensed), [this](Stamp first) {
     while (queue_.size() > 0) release();
@@ -283,6 +289,7 @@ void SensorInput::diagnose(Health& health) const {
   if (clock_.lag_s()) health.add("odometry's stamps are late by [s]", *clock_.lag_s());
   health.add("scans without odometry near them", passed_over_);
   health.add("scans that came too late", std::uint64_t{queue_.late()});
+  health.add("scans in ever new frames", of_new_frames_);
   health.add("transforms that are not finite", bad_transforms_);
   health.add("odometry that is not finite", bad_odometry_);
 }

@@ -114,6 +114,7 @@ class SensorInput {
   std::set<std::string> told_;
   std::vector<std::string> warnings_;
   std::uint64_t passed_over_ = 0;
+  std::uint64_t of_new_frames_ = 0;  ///< scans that were left out
   std::uint64_t bad_transforms_ = 0;
   std::uint64_t bad_odometry_ = 0;
 };
