@@ -15,6 +15,7 @@ void join(Visit& before, const Visit& after) {
   before.misses += after.misses;
   before.passing.cos2 += after.passing.cos2;
   before.passing.sin2 += after.passing.sin2;
+  before.bound();
 }
 
 }  // namespace

@@ -58,6 +58,24 @@ TEST(Visits, KnowTheDirectionsOfPassingBeamsAlsoOnceFiltered) {
   EXPECT_NEAR(after.passing.cos2, after.misses, 1e-5F);
 }
 
+// A week and a half at 40 scans a second; of ten beams a scan, a day.
+TEST(Visits, OfARobotThatStandsForDaysKeepTheirSharesAndTheirBitsBeforeThat) {
+  Visit visit;
+  constexpr int kOrdinary = 1 << 22;
+  constexpr int kScans = 9 * kOrdinary;
+  for (int i = 0; i < kScans; ++i) {
+    // One of four beams ends there.
+    visit.add(i % 4 == 0, 1.0F, {1.0F, 0.0F});
+    if (i + 1 == kOrdinary) {
+      EXPECT_EQ(visit.hits, static_cast<float>(kOrdinary / 4));
+      EXPECT_EQ(visit.misses, static_cast<float>(kOrdinary / 4 * 3));
+    }
+  }
+  EXPECT_NEAR(static_cast<double>(visit.hits) / visit.total(), 0.25, 1e-6);
+  EXPECT_EQ(visit.passing.cos2, visit.misses) << "all passed that way";
+  EXPECT_GT(visit.total(), 2e6);
+}
+
 TEST(Visits, EndAtTheRangeLimit) {
   VisitConfig config;
   config.max_range_m = 1.0;
