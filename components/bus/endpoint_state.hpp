@@ -18,6 +18,11 @@ namespace strata::bus {
 template <typename Endpoint>
 struct EndpointState {
   explicit EndpointState(std::function<void()> on_match) : matches(std::move(on_match)) {}
+  ~EndpointState() {
+    if (participant) participant->state().give_back(used);
+  }
+  EndpointState(const EndpointState&) = delete;
+  EndpointState& operator=(const EndpointState&) = delete;
 
   void matched(int now, const dds::InstanceHandle_t& other, int change) {
     participant->state().caught.run(
@@ -27,6 +32,7 @@ struct EndpointState {
   std::shared_ptr<Participant> participant;
   std::string topic;
   std::string profile;
+  dds::Topic* used = nullptr;  ///< given back after the endpoint
   Endpoint* endpoint = nullptr;
   MatchCount matches;
 };

@@ -82,8 +82,11 @@ struct Participant::State : dds::DomainParticipantListener {
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
   [[nodiscard]] bool uses_shared_memory() const;
-  /// The topic's entity, made at its first use and kept: Fast DDS allows one a name.
+  /// The topic's entity, for one endpoint more: Fast DDS allows one a name.
   dds::Topic* topic(const TopicName& name, const std::string& type);
+  /// An endpoint less has it; it goes with the last one, and its name may have another type then.
+  /// Never throws.
+  void give_back(dds::Topic* topic);
   /// Fast DDS announces only the endpoints of others.
   void add_endpoint(const DiscoveredEndpoint& endpoint);
   void remove_endpoint(const Guid& guid);
@@ -108,8 +111,12 @@ struct Participant::State : dds::DomainParticipantListener {
   mutable std::mutex mutex;
   std::condition_variable forgot;  // one of `participants`
   bool is_leaving = false;
-  std::function<void(const std::string&)> before_endpoint;          // see Participant
-  std::map<std::string, dds::Topic*> topics;                        // by wire name
+  std::function<void(const std::string&)> before_endpoint;  // see Participant
+  struct UsedTopic {
+    dds::Topic* topic = nullptr;
+    std::size_t endpoints = 0;
+  };
+  std::map<std::string, UsedTopic> topics;                          // by wire name
   std::map<Guid, DiscoveredParticipant> participants;               // of others
   std::map<Guid, DiscoveredEndpoint> endpoints;                     // own and others'
   std::optional<std::map<std::string, PublishedTopic>> offers_now;  // of those; none: to be made

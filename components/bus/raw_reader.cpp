@@ -62,8 +62,9 @@ RawReader::RawReader(std::shared_ptr<Participant> participant, TopicName topic,
     // 5 ms by default, which is what bounds a reliable reader's rate.
     times.heartbeatResponseDelay = eprosima::fastrtps::Duration_t(0, 0);
   }
+  state_->used = owner.topic(topic, type);
   state_->endpoint = owner.subscriber->create_datareader(
-      owner.topic(topic, type), reader_qos, state_.get(),
+      state_->used, reader_qos, state_.get(),
       dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
   if (state_->endpoint == nullptr) refuse(owner, topic, qos, false);
   require_granted(qos, granted_qos(), state_->topic);

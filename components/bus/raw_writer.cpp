@@ -54,8 +54,9 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
     times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0, 20'000'000);
     writer_qos.reliability().max_blocking_time = eprosima::fastrtps::Duration_t(1, 0);
   }
-  state_->endpoint = owner.publisher->create_datawriter(
-      owner.topic(topic, type), writer_qos, state_.get(), dds::StatusMask::publication_matched());
+  state_->used = owner.topic(topic, type);
+  state_->endpoint = owner.publisher->create_datawriter(state_->used, writer_qos, state_.get(),
+                                                        dds::StatusMask::publication_matched());
   if (state_->endpoint == nullptr) refuse(owner, topic, qos, true);
   require_granted(qos, granted_qos(), state_->topic);
   owner.add_endpoint({guid(), true, wire_topic(topic), wire_type(type), qos.reliable,

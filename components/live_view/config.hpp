@@ -36,6 +36,8 @@ struct LiveViewConfig {
   bool allow_commands = true;
   bool metrics = true;
   bool keep_newest = false;
+  int max_topics = 1000;
+  double forget_after_s = 60.0;
   std::string initial_pose_topic = "initialpose";
   std::string relocalize_service = "reinitialize_global_localization";
   std::string save_service = "scan_matcher/save";
@@ -80,6 +82,15 @@ struct LiveViewConfig {
     v.field("keep_newest", c.keep_newest,
             {.doc = "reads every topic from the start and gives its newest message to who comes "
                     "later, as if it were latched; for replays, where no topic is"});
+    v.field(
+        "max_topics", c.max_topics,
+        {.doc = "so many topics at a time; more are left out, which /diagnostics tells", .min = 1});
+    v.field("forget_after_s", c.forget_after_s,
+            {.doc = "a topic that nobody has published for so long is taken back from viewers and "
+                    "read no more, until it comes again; with keep_newest only to make room for "
+                    "others",
+             .unit = "s",
+             .min = 0.0});
     v.field("initial_pose_topic", c.initial_pose_topic,
             {.doc = "geometry_msgs/PoseWithCovarianceStamped out: where a viewer says that the "
                     "robot is"});

@@ -59,6 +59,10 @@ std::string advertised(const std::vector<Channel>& channels) {
   return text_of({{"op", "advertise"}, {"channels", list}});
 }
 
+std::string withdrawn(std::uint32_t channel) {
+  return text_of({{"op", "unadvertise"}, {"channelIds", Json::array({channel})}});
+}
+
 std::string advertised_services(std::span<const ViewService> services) {
   Json list = Json::array();
   for (const ViewService& service : services) {

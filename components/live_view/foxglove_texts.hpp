@@ -22,6 +22,7 @@ enum class ClientOpcode : std::uint8_t { kMessage = 1, kServiceRequest = 2 };
 [[nodiscard]] std::string server_info(const std::string& name, const CommandNames& commands,
                                       bool has_services);
 [[nodiscard]] std::string advertised(const std::vector<Channel>& channels);
+[[nodiscard]] std::string withdrawn(std::uint32_t channel);
 /// Empty where there are none.
 [[nodiscard]] std::string advertised_services(std::span<const ViewService> services);
 [[nodiscard]] std::string status_error(const std::string& message);

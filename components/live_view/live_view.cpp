@@ -8,10 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "components/bus/recorded_topic.hpp"
 #include "components/bus/service.hpp"
 #include "components/bus/site_service_types.hpp"
-#include "components/convert/message_definitions.hpp"
 #include "components/live_view/page.hpp"
 #include "core/base/error.hpp"
 
@@ -22,10 +20,6 @@ constexpr auto kServicePatience = std::chrono::seconds(3);
 constexpr auto kSavePatience = std::chrono::seconds(10);
 /// All files of a version are read before it is approved or activated.
 constexpr auto kSitePatience = std::chrono::seconds(20);
-constexpr std::string_view kSiteTopic = "/site_versions";
-constexpr std::string_view kLevelTopic = "/level";
-/// Messages of one topic that may come between two looks of the component.
-constexpr int kDepth = 20;
 /// Statuses that may: one a second of each component, and all at once when a robot starts.
 constexpr int kStatusDepth = 200;
 
@@ -113,56 +107,6 @@ void LiveView::on_tick() {
   }
 }
 
-void LiveView::offer_topics() {
-  const auto topics = context().participant->published_topics();
-  unreadable_.keep_only(topics);
-  for (const auto& [topic, published] : topics) {
-    if (topic.starts_with("/strata_lockstep/") || bus::is_hidden(topic)) continue;
-    const auto [entry, is_new] = channels_.try_emplace(topic, 0);
-    if (!is_new) continue;
-    if (!has_site_ && topic.ends_with(kSiteTopic) &&
-        published.type == bus::MessageType<strata_msgs::msg::SiteVersions>::name) {
-      has_site_ = true;
-      hub_->offer_site(topic.substr(0, topic.size() - kSiteTopic.size()), config_.allow_commands);
-    }
-    if (config_.allow_commands && !has_levels_ && topic.ends_with(kLevelTopic) &&
-        published.type == bus::MessageType<strata_msgs::msg::SiteLevel>::name) {
-      has_levels_ = true;
-      hub_->offer_levels(topic.substr(0, topic.size() - kLevelTopic.size()));
-    }
-    const std::string schema = convert::message_definition(published.type);
-    if (schema.empty()) continue;  // nobody could decode it
-    entry->second = hub_->advertise(topic, published.type, schema,
-                                    published.transient_local || config_.keep_newest);
-    offered_[entry->second] = {topic, published.type, published.transient_local};
-  }
-}
-
-void LiveView::read_what_is_wanted() {
-  std::vector<std::uint32_t> wanted;
-  if (config_.keep_newest) {
-    for (const auto& [channel, offered] : offered_) wanted.push_back(channel);
-  } else {
-    wanted = hub_->wanted();
-  }
-  for (const std::uint32_t channel : wanted) {
-    Offered& offered = offered_.at(channel);
-    if (offered.is_read) continue;
-    bus::QosProfile qos = bus::qos_profile("sensor_data");
-    qos.reliable = offered.latched;
-    qos.transient_local = offered.latched;
-    qos.depth = kDepth;
-    const auto give = [hub = hub_, channel](const bus::RawMessage& message) {
-      hub->publish(channel, std::make_shared<const ViewMessage>(
-                                ViewMessage{static_cast<std::uint64_t>(message.source_stamp_ns),
-                                            message.identity.writer, message.cdr}));
-    };
-    offered.is_read = unreadable_.read(
-        offered.topic, {offered.type, offered.latched, offered.latched},
-        [&] { subscribe_raw(offered.topic, offered.type, qos, give, {.latched_depth = 1}); });
-  }
-}
-
 void LiveView::perform(const ViewCommand& command) {
   switch (command.kind) {
     case ViewCommand::Kind::kRelocalize:
@@ -236,8 +180,8 @@ void LiveView::on_cleanup() {
   server_.reset();
   if (call_.joinable()) call_.join();
   hub_.reset();
-  channels_.clear();
   offered_.clear();
+  left_out_ = 0;
   unreadable_.clear();
   has_site_ = false;
   has_levels_ = false;
@@ -249,6 +193,9 @@ void LiveView::on_diagnose(runtime::Health& health) const {
   if (!server_) return;
   const ViewHub::Counts counts = hub_->counts();
   unreadable_.tell(health);
+  if (left_out_ > 0) {
+    health.warn(std::to_string(left_out_) + " topics are not shown: max_topics are there already");
+  }
   health.add("url", server_->url());
   health.add("viewers", std::uint64_t{counts.viewers});
   health.add("messages_sent", counts.sent);

@@ -65,15 +65,39 @@ void ViewHub::offer_site(const std::string& owner, bool may_change) {
 std::uint32_t ViewHub::advertise(const std::string& topic, const std::string& type,
                                  const std::string& schema, bool latched) {
   const std::lock_guard lock(mutex_);
-  const auto id = static_cast<std::uint32_t>(channels_.size() + 1);
-  channels_.push_back({{id, topic, type, schema, latched}, {}});
-  for (auto& [viewer_id, viewer] : viewers_) say(viewer, advertised({channels_.back().channel}));
+  const std::uint32_t id = ++last_channel_;
+  const Channel channel{id, topic, type, schema, latched};
+  channels_[id].channel = channel;
+  for (auto& [viewer_id, viewer] : viewers_) say(viewer, advertised({channel}));
   return id;
+}
+
+void ViewHub::withdraw(std::uint32_t channel) {
+  const std::lock_guard lock(mutex_);
+  if (channels_.erase(channel) == 0) return;
+  for (auto& [viewer_id, viewer] : viewers_) {
+    std::erase_if(viewer.subscriptions,
+                  [&](const auto& entry) { return entry.second.channel == channel; });
+    say(viewer, withdrawn(channel));
+  }
+}
+
+void ViewHub::keep_writers(const std::set<bus::Guid>& alive) {
+  const std::lock_guard lock(mutex_);
+  for (auto& [id, state] : channels_) {
+    auto& latest = state.latest;
+    if (latest.empty()) continue;
+    const SharedMessage newest = latest.back();
+    std::erase_if(latest, [&](const SharedMessage& kept) { return !alive.contains(kept->writer); });
+    if (latest.empty()) latest.push_back(newest);
+  }
 }
 
 void ViewHub::publish(std::uint32_t channel, SharedMessage message) {
   const std::lock_guard lock(mutex_);
-  ChannelState& state = channels_.at(channel - 1);
+  const auto known = channels_.find(channel);
+  if (known == channels_.end()) return;
+  ChannelState& state = known->second;
   if (state.channel.latched) {
     auto& latest = state.latest;
     const auto same = std::find_if(latest.begin(), latest.end(), [&](const SharedMessage& kept) {
@@ -153,7 +177,7 @@ std::optional<ViewerId> ViewHub::join(std::function<void()> wake_viewer) {
   viewer.wake = std::move(wake_viewer);
   say(viewer, server_info(name_, commands_, !services_.empty()));
   std::vector<Channel> channels;
-  for (const ChannelState& state : channels_) channels.push_back(state.channel);
+  for (const auto& [channel_id, state] : channels_) channels.push_back(state.channel);
   if (!channels.empty()) say(viewer, advertised(channels));
   const std::string services = advertised_services(services_);
   if (!services.empty()) say(viewer, services);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -92,6 +93,11 @@ class ViewHub {
   /// Offers a topic to all viewers, present and future. Returns its id.
   std::uint32_t advertise(const std::string& topic, const std::string& type,
                           const std::string& schema, bool latched);
+  /// Takes it back from all viewers, with what they have subscribed of it.
+  void withdraw(std::uint32_t channel);
+  /// Of those writers that are not alive gives up what is kept of latched topics, but for the
+  /// newest message of all of a topic. O(kept messages x log(alive)).
+  void keep_writers(const std::set<bus::Guid>& alive);
   /// Offers to have the maps saved, now that somebody would.
   void offer_save();
   /// Offers the site of the component `owner` to all viewers, present and future: maps of its
@@ -163,7 +169,8 @@ class ViewHub {
   const CommandNames commands_;
   const std::size_t max_viewers_;
   mutable std::mutex mutex_;
-  std::vector<ChannelState> channels_;  ///< id is the place + 1
+  std::map<std::uint32_t, ChannelState> channels_;  ///< by id
+  std::uint32_t last_channel_ = 0;
   std::vector<ViewService> services_;
   std::map<ViewerId, Viewer> viewers_;
   ViewerId next_viewer_ = 1;

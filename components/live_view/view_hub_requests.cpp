@@ -110,7 +110,8 @@ void ViewHub::take_text(Viewer& viewer, std::string_view text) {
 }
 
 void ViewHub::subscribe(Viewer& viewer, std::uint32_t id, std::uint32_t channel) {
-  if (channel == 0 || channel > channels_.size()) {
+  const auto known = channels_.find(channel);
+  if (known == channels_.end()) {
     return refuse(viewer, "subscribe: there is no channel " + std::to_string(channel));
   }
   if (viewer.subscriptions.size() >= kMaxSubscriptions || viewer.subscriptions.contains(id)) {
@@ -119,7 +120,7 @@ void ViewHub::subscribe(Viewer& viewer, std::uint32_t id, std::uint32_t channel)
   }
   Subscription& subscription = viewer.subscriptions[id];
   subscription.channel = channel;
-  for (const SharedMessage& message : channels_[channel - 1].latest) put(subscription, message);
+  for (const SharedMessage& message : known->second.latest) put(subscription, message);
   if (!subscription.pending.empty()) wake(viewer);
 }
 

@@ -101,7 +101,8 @@ class Component {
                      const bus::QosProfile& qos,
                      std::function<void(const bus::RawMessage&)> callback,
                      Reception reception = {});
-  void take_waiting();  ///< of topics that are taken at ticks: now
+  void unsubscribe(const std::string& full_topic);  ///< what waits of it is dropped; on the mailbox
+  void take_waiting();                              ///< of topics that are taken at ticks: now
 
   /// What is returned publishes until cleanup, and does nothing afterwards. All or nothing.
   template <typename T>
@@ -206,7 +207,6 @@ class Component {
 
  private:
   struct Subscription;  // component_subscription.hpp
-
   [[nodiscard]] bool is_active() const { return state_ == LifecycleState::kActive; }
   /// On the mailbox. Throws what the hook throws, and then the state is as before.
   void perform(const LifecycleTransition& transition);

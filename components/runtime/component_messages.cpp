@@ -59,6 +59,20 @@ void Component::subscribe_raw(const std::string& full_topic, const std::string& 
   subscriptions_.push_back(subscription);
 }
 
+void Component::unsubscribe(const std::string& full_topic) {
+  std::erase_if(subscriptions_, [&](const std::shared_ptr<Subscription>& subscription) {
+    if (subscription->topic != full_topic) return false;
+    subscription->reader.reset();
+    // Tasks that hold it find nothing.
+    const std::lock_guard lock(subscription->mutex);
+    subscription->waiting.clear();
+    subscription->waiting_bytes = 0;
+    return true;
+  });
+  std::erase_if(topics_,
+                [&](const TopicUse& use) { return use.topic == full_topic && !use.writes; });
+}
+
 bool Component::keep(Subscription& subscription, bus::RawMessage message) {
   const std::lock_guard lock(subscription.mutex);
   ++subscription.received;

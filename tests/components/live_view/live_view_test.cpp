@@ -2,9 +2,12 @@
 /// A robot that publishes over DDS, and viewers of it.
 #include "components/live_view/live_view.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,6 +22,7 @@
 #include "tests/components/live_view/metric_reader.hpp"
 #include "tests/components/live_view/web_client.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
+#include "tests/components/runtime/status_watch.hpp"
 #include "tests/support/comes_true.hpp"
 
 namespace strata::live_view {
@@ -145,6 +149,92 @@ TEST(LiveViewTopics, AreReadThoughOneOfThemCannotBe) {
   EXPECT_EQ(host->components().front()->counts().skipped, 0U) << "no failure of its own";
   host->stop();
   EXPECT_THAT(host->take_errors(), testing::ElementsAre(testing::HasSubstr("cannot read /a_odd")));
+}
+
+/// A live view that ticks when it is looked at.
+class LiveViewOfMonths : public testing::Test {
+ protected:
+  void begin(const std::string& parameters) {
+    runtime::Registry registry;
+    register_component(registry);
+    host_ = test::make_host(
+        "{type: strata::LiveView, name: view, parameters: {port: 0, " + parameters + "}}", registry,
+        own_);
+    host_->activate();
+  }
+  [[nodiscard]] std::unique_ptr<bus::RawWriter> writer(const std::string& topic,
+                                                       const char* type) const {
+    return std::make_unique<bus::RawWriter>(robot_, topic, type, bus::qos_profile("default"));
+  }
+  bool comes_true(const std::function<bool()>& condition) {
+    return test::comes_true([&] {
+      host_->tick();
+      return condition();
+    });
+  }
+  [[nodiscard]] bool is_published(const std::string& topic, const std::string& type) const {
+    const auto topics = own_->published_topics();
+    const auto found = topics.find(topic);
+    return found != topics.end() && found->second.type == type;
+  }
+
+  std::shared_ptr<bus::Participant> robot_ = test::make_participant();
+  std::shared_ptr<bus::Participant> own_ = test::make_participant();
+  std::unique_ptr<runtime::Host> host_;
+};
+
+TEST_F(LiveViewOfMonths, GivesBackATopicThatNobodyPublishesAndTakesItsNameWithAnotherType) {
+  const char* const scan = bus::MessageType<LaserScan>::name;
+  const char* const map = bus::MessageType<nav_msgs::msg::OccupancyGrid>::name;
+  begin("forget_after_s: 0.0, metrics: false, keep_newest: false");
+  const auto told = test::StatusWatch(robot_).wait_for(
+      *host_, [](const auto& now) { return !test::value_of(now, "url").empty(); });
+  const std::string url = test::value_of(told, "url");
+  const auto at = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+  const auto is_read_by_a_new_viewer = [&](const bus::RawWriter& of) {
+    test::WebClient viewer;
+    EXPECT_EQ(viewer.connect(at), 101);
+    EXPECT_TRUE(viewer.subscribe(1, "/comes"));
+    return comes_true([&] { return of.matched() == 1; });
+  };
+  auto scans = writer("/comes", scan);
+  ASSERT_TRUE(comes_true([&] { return is_published("/comes", scan); }));
+  ASSERT_TRUE(comes_true([&] { return is_read_by_a_new_viewer(*scans); }));
+  scans.reset();
+  const auto reads = [&] {
+    const auto endpoints = own_->view().endpoints;
+    return std::any_of(endpoints.begin(), endpoints.end(), [](const auto& endpoint) {
+      return !endpoint.writes && endpoint.wire_topic == "rt/comes";
+    });
+  };
+  EXPECT_TRUE(comes_true([&] { return !reads(); }));
+  const auto maps = writer("/comes", map);
+  ASSERT_TRUE(comes_true([&] { return is_published("/comes", map); }));
+  EXPECT_TRUE(is_read_by_a_new_viewer(*maps)) << "the name is free again";
+  host_->stop();
+  EXPECT_THAT(host_->take_errors(), testing::IsEmpty());
+}
+
+TEST_F(LiveViewOfMonths, LeavesOutMoreTopicsThanItMayHaveAndMakesRoomOfThoseThatAreGone) {
+  begin("keep_newest: true, max_topics: 6, metrics: false");
+  std::vector<std::unique_ptr<bus::RawWriter>> writers;
+  for (int i = 0; i < 12; ++i) {
+    writers.push_back(writer("/t" + std::to_string(i), bus::MessageType<LaserScan>::name));
+  }
+  test::StatusWatch watch(robot_);
+  const auto status = watch.wait_for(*host_, [](const auto& now) {
+    return now.message().find("topics are not shown") != std::string::npos;
+  });
+  EXPECT_THAT(status.message(), testing::HasSubstr("max_topics"));
+  const auto read = [&] {
+    return std::count_if(writers.begin(), writers.end(),
+                         [](const auto& one) { return one->matched() > 0; });
+  };
+  EXPECT_TRUE(comes_true([&] { return read() > 0; }));
+  EXPECT_LE(read(), 6);
+  std::erase_if(writers, [](const auto& one) { return one->matched() > 0; });
+  EXPECT_TRUE(comes_true([&] { return read() > 0; })) << "others take the place of those";
+  host_->stop();
 }
 
 TEST(LiveViewSettings, WantATokenAndTlsForOtherMachines) {

@@ -106,6 +106,43 @@ TEST_F(ViewHubTest, StopsWhatIsUnsubscribedAndForgetsWhoLeaves) {
   EXPECT_FALSE(hub_.next(viewer).has_value());
 }
 
+TEST_F(ViewHubTest, TakesATopicBackWithItsSubscriptions) {
+  const auto gone = hub_.advertise("/gone", "std_msgs/msg/String", "string data", true);
+  const auto stays = hub_.advertise("/stays", "std_msgs/msg/String", "string data", false);
+  const ViewerId viewer = joined();
+  subscribe(viewer, 1, gone);
+  subscribe(viewer, 2, stays);
+  (void)texts(viewer);
+  hub_.withdraw(gone);
+  const auto told = texts(viewer);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0], (nlohmann::json{{"op", "unadvertise"}, {"channelIds", {gone}}}));
+  EXPECT_EQ(hub_.wanted(), std::vector<std::uint32_t>{stays});
+  hub_.publish(gone, message(1));
+  hub_.publish(stays, message(2));
+  EXPECT_EQ(contents(viewer), std::vector<int>{2});
+  subscribe(viewer, 3, gone);
+  EXPECT_EQ(hub_.counts().refused, 1U);
+  EXPECT_GT(hub_.advertise("/gone", "std_msgs/msg/String", "string data", true), stays)
+      << "a number is used once";
+}
+
+TEST_F(ViewHubTest, KeepsWhatIsLatchedOfWritersThatAreAliveOrElseTheNewest) {
+  const auto channel = hub_.advertise("/map", "std_msgs/msg/String", "string data", true);
+  for (std::uint8_t writer = 1; writer <= 3; ++writer) {
+    hub_.publish(channel, message(writer, writer));
+  }
+  hub_.keep_writers({message(0, 2)->writer});
+  const ViewerId first = joined();
+  subscribe(first, 1, channel);
+  EXPECT_EQ(contents(first), std::vector<int>{2});
+  hub_.publish(channel, message(4, 4));
+  hub_.keep_writers({});
+  const ViewerId second = joined();
+  subscribe(second, 1, channel);
+  EXPECT_EQ(contents(second), std::vector<int>{4});
+}
+
 TEST_F(ViewHubTest, RefusesMoreViewersThanItMayHave) {
   const ViewerId first = joined();
   (void)joined();
