@@ -155,8 +155,16 @@ void Site::require_good(const std::string& hash) const {
                    "take another version; `strata site gc --damaged` takes this one away");
 }
 
-void Site::approve(const std::string& hash, const Actor& actor, const std::string& note) {
+void Site::require_active(const From& from) const {
+  if (!from || active().value_or("") == *from) return;
+  throw InputError(folder_.string(), "has another active version by now",
+                   "look at what is active, and ask again");
+}
+
+void Site::approve(const std::string& hash, const Actor& actor, const std::string& note,
+                   const From& from) {
   Change change(*this);
+  require_active(from);
   require_good(hash);
   Decision& decision = change.decisions.versions[hash];
   decision.approved = actor;
@@ -181,11 +189,12 @@ void Site::point_to(const std::string& hash) {
   disk_->sync(folder_);
 }
 
-Switch Site::activate(const std::string& hash, const Actor& actor) {
+Switch Site::activate(const std::string& hash, const Actor& actor, const From& from) {
   Change change(*this);
   Decisions& decisions = change.decisions;
   const std::string before = active().value_or("");
   if (before == hash) return {before, hash};
+  require_active(from);
   const auto found = decisions.versions.find(hash);
   if (found == decisions.versions.end() || !(found->second.approved || found->second.was_active)) {
     throw InputError(maps_of(hash).string(), "was not approved",
@@ -203,10 +212,7 @@ Switch Site::activate(const std::string& hash, const Actor& actor) {
 Switch Site::rollback(const Actor& actor, const std::string& from) {
   Change change(*this);
   Decisions& decisions = change.decisions;
-  if (!from.empty() && active() != from) {
-    throw InputError(folder_.string(), "has another active version by now",
-                     "look at what is active, and ask again");
-  }
+  if (!from.empty()) require_active(from);
   if (decisions.activations.size() < 2) {
     throw InputError(folder_.string(), "has nothing to go back to: no version was active before",
                      "`strata site list` shows what there is, `strata site activate` takes one");

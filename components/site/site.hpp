@@ -96,10 +96,15 @@ class Site {
   /// Copies a MAPS folder in as a candidate. Throws InputError where that is no whole MAPS folder,
   /// or changes meanwhile, and OutputError.
   Added add(const std::filesystem::path& maps, const Actor& actor, const std::string& note);
-  /// note: how it was checked. Throws InputError for a damaged version.
-  void approve(const std::string& hash, const Actor& actor, const std::string& note);
-  /// Throws InputError where the version is damaged or was never approved: then nothing changes.
-  Switch activate(const std::string& hash, const Actor& actor);
+  /// What a judgement was made against: the hash that was active then, "" for none.
+  using From = std::optional<std::string>;
+  /// note: how it was checked. Throws InputError for a damaged version, and where another version
+  /// than `from` is active.
+  void approve(const std::string& hash, const Actor& actor, const std::string& note,
+               const From& from = std::nullopt);
+  /// Throws InputError where the version is damaged, was never approved, or is to take the place of
+  /// `from` and another one is active: then nothing changes.
+  Switch activate(const std::string& hash, const Actor& actor, const From& from = std::nullopt);
   /// Activates what was active before; from there, once more, what was before that. Throws
   /// InputError where there is none, it is damaged, or, unless `from` is empty, where another
   /// version than that hash is active.
@@ -158,6 +163,7 @@ class Site {
                                         const std::optional<std::string>& active) const;
   [[nodiscard]] std::vector<VersionStatus> versions(const Decisions& decisions) const;
   void require_good(const std::string& hash) const;
+  void require_active(const From& from) const;
   void point_to(const std::string& hash);
   void remove_left_overs() const;
   void copy_maps(const std::filesystem::path& maps, const log::HashedContent& content,

@@ -44,17 +44,16 @@ pipeline::RunsInput input_of(const SiteOptions& options, const site::Site& site)
   return input;
 }
 
-/// What the gate says of a version, with its report in --out.
+/// What the gate says of a version beside `active`, with its report in --out.
 site::GateReport look_at(const SiteOptions& options, VerbContext& context, const site::Site& site,
-                         const site::VersionStatus& version) {
+                         const site::VersionStatus& version,
+                         const std::optional<std::string>& active) {
   const auto config = read_config<site::GateConfig>(context);
   std::optional<ResultDirectory> out;
   if (!options.out.empty()) out.emplace(options.out, "a check", context);
   site::GateTask task;
   task.candidate = site.maps_of(version.version.hash);
-  if (const auto active = site.active(); active && *active != version.version.hash) {
-    task.active = site.maps_of(*active);
-  }
+  if (active && *active != version.version.hash) task.active = site.maps_of(*active);
   for (const site::VersionStatus& other : site.versions()) {
     const bool is_earlier = other.decision.was_active && other.fault.empty() &&
                             other.version.hash != version.version.hash;
@@ -123,7 +122,7 @@ void compare_versions(const SiteOptions& options, VerbContext& context) {
 void check_version(const SiteOptions& options, VerbContext& context) {
   const site::Site site = open_site(options, context);
   const site::VersionStatus version = site.find(options.version);
-  const site::GateReport report = look_at(options, context, site, version);
+  const site::GateReport report = look_at(options, context, site, version, site.active());
   answer(options, context,
          "version " + name_of(version) + (report.passed() ? " may" : " must not") +
              " be activated:\n" + to_text(report),
@@ -133,8 +132,8 @@ void check_version(const SiteOptions& options, VerbContext& context) {
 
 void take_maps(const SiteOptions& options, VerbContext& context) {
   site::Site site = open_site(options, context);
-  const bool is_first = !site.active();
-  if (!is_first && input_of(options, site).logs.empty()) {
+  const std::optional<std::string> active = site.active();
+  if (active && input_of(options, site).logs.empty()) {
     throw InputError(options.folder,
                      "keeps no recording, so that nobody can tell whether robots "
                      "would do worse",
@@ -148,10 +147,12 @@ void take_maps(const SiteOptions& options, VerbContext& context) {
            json_of(added.status));
     return;
   }
-  const site::GateReport report = look_at(options, context, site, added.status);
+  const site::GateReport report = look_at(options, context, site, added.status, active);
   if (!report.passed()) throw refused(added.status, report);
-  site.approve(hash, actor(options), in_short(report));
-  (void)site.activate(hash, actor(options));
+  // Somebody may have gone back to another version meanwhile, which nothing was compared with.
+  const std::string from = active.value_or("");
+  site.approve(hash, actor(options), in_short(report), from);
+  (void)site.activate(hash, actor(options), from);
   answer(options, context, "version " + name + " is active: " + in_short(report),
          json_of(site.find(hash)));
 }
@@ -163,7 +164,7 @@ void approve_version(const SiteOptions& options, VerbContext& context) {
   if (options.unchecked) {
     if (note.empty()) note = "unchecked";
   } else {
-    const site::GateReport report = look_at(options, context, site, version);
+    const site::GateReport report = look_at(options, context, site, version, site.active());
     if (!report.passed()) throw refused(version, report);
     note += (note.empty() ? "" : "; ") + in_short(report);
   }

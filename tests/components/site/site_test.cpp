@@ -129,6 +129,26 @@ TEST_F(SiteTest, GoesBackOnlyFromTheVersionThatWasMeant) {
   EXPECT_EQ(site.rollback(test::kAda, b).to, a);
 }
 
+TEST_F(SiteTest, ActivatesOnlyInThePlaceOfTheVersionThatWasMeant) {
+  Site site = make();
+  const std::string a = activated(site, "a");
+  const std::string b = activated(site, "b");
+  const std::string c = add(site, "c");
+  (void)site.rollback(test::kAda);
+  const std::string before = test::bytes_of(at("hall") / kSiteFile);
+  EXPECT_THAT(error_of([&] { site.approve(c, test::kAda, "seen", b); }),
+              HasSubstr("another active version"));
+  EXPECT_EQ(test::bytes_of(at("hall") / kSiteFile), before);
+  EXPECT_THAT(states(site), ElementsAre("active", "retired", "candidate"));
+  site.approve(c, test::kAda, "seen", a);
+  for (const char* from : {b.c_str(), ""}) {
+    EXPECT_THAT(error_of([&] { (void)site.activate(c, test::kAda, from); }),
+                HasSubstr("another active version"));
+    EXPECT_EQ(site.active(), a);
+  }
+  EXPECT_EQ(site.activate(c, test::kAda, a).from, a);
+}
+
 TEST_F(SiteTest, NeitherApprovesNorActivatesNorGoesBackToADamagedVersion) {
   Site site = make();
   const std::string a = activated(site, "a");
