@@ -122,6 +122,12 @@ std::size_t Building::find(const std::string& name, const std::string& place) co
   throw InputError(place, "there is no level '" + name + "'", "choose among " + there);
 }
 
+std::optional<std::size_t> Building::with_maps(const std::string& name) const {
+  const std::size_t found = index_of(names(), name);
+  if (found >= levels_.size() || levels_[found].maps == nullptr) return std::nullopt;
+  return found;
+}
+
 std::string Building::fault() const {
   std::string fault = lift_fault_;
   for (const Floor& floor : levels_) {

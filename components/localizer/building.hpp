@@ -44,6 +44,8 @@ class Building {
   [[nodiscard]] localization::LevelMaps filter_maps_of(std::size_t i) const;
   /// Throws InputError at `place` where there is no such level.
   [[nodiscard]] std::size_t find(const std::string& name, const std::string& place) const;
+  /// The level of that name, where there is one and it has maps.
+  [[nodiscard]] std::optional<std::size_t> with_maps(const std::string& name) const;
   /// For people: what levels lack maps, and what lifts serve levels that are none; may be empty.
   [[nodiscard]] std::string fault() const;
 

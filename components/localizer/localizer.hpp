@@ -78,6 +78,8 @@ class Localizer final : public runtime::SensorComponent {
                  std::shared_ptr<refinement::PoseRefiner> refiner);
   /// Where the maps are a building's. Returns those of the likeliest level.
   const LoadedMaps& begin_levels(const std::optional<Pose2Gaussian>& start);
+  /// By the kept place, then start.level, then start.pose. Throws InputError.
+  void begin_on_level(const std::optional<Pose2Gaussian>& start);
   /// Another level is the likeliest, or it has other maps.
   void use_level();
   void take_levels();

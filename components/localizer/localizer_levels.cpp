@@ -22,20 +22,40 @@ const LoadedMaps& Localizer::begin_levels(const std::optional<Pose2Gaussian>& st
   for (std::size_t i = 0; i < building_->size(); ++i) maps.push_back(building_->filter_maps_of(i));
   levels_ = std::make_unique<localization::LevelLocalizer>(
       config_.localizer, config_.levels, std::move(maps), context().seed, context().threads);
+  begin_on_level(start);
+  if (auto lifts = building_->take_lifts()) levels_->set_lifts(std::move(*lifts));
+  use_level();
+  return *building_->maps_of(levels_->level());
+}
+
+void Localizer::begin_on_level(const std::optional<Pose2Gaussian>& start) {
   std::optional<std::size_t> level;
   if (!config_.start.level.empty()) level = building_->find(config_.start.level, "start.level");
-  for (std::size_t i = 0; store_ && i < building_->size(); ++i) {
-    if (building_->level(i).name == store_->level()) level = i;
+  const std::string kept = store_ ? store_->level() : std::string();
+  if (!kept.empty()) {
+    level = building_->with_maps(kept);
+    if (!level) {  // it may well be there still, and no map can tell
+      tell(InputError(config_.start.store.file,
+                      "the robot was on level '" + kept + "', which has no active version",
+                      "activate one, or tell where the robot is by " + resolve("~/set_level")));
+      store_->forget();
+      levels_->initialize_global();
+      levels_->doubt_level();
+      return;
+    }
   }
-  if (level && building_->maps_of(*level) == nullptr) level.reset();
+  if (level && building_->maps_of(*level) == nullptr) {
+    throw InputError("start.level",
+                     "level '" + config_.start.level +
+                         "' has no active version: the robot would be taken to be on another one",
+                     "activate one with `strata site activate SITE/levels/" + config_.start.level +
+                         "`, or leave it out");
+  }
   if (start) {
     levels_->initialize(*start, level);
   } else {
     levels_->initialize_global(level);
   }
-  if (auto lifts = building_->take_lifts()) levels_->set_lifts(std::move(*lifts));
-  use_level();
-  return *building_->maps_of(levels_->level());
 }
 
 void Localizer::use_level() {

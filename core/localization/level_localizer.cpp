@@ -84,6 +84,11 @@ void LevelLocalizer::initialize_global(std::optional<std::size_t> level) {
   begin(std::move(possible), !is_sure, is_sure);
 }
 
+void LevelLocalizer::doubt_level() {
+  is_sure_ = false;
+  choice_.begin(hypotheses_.size(), std::nullopt);
+}
+
 void LevelLocalizer::tell_level(std::size_t level) {
   require_maps(level);
   Pose2Gaussian pose = result_.pose;

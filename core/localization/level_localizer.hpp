@@ -55,6 +55,9 @@ class LevelLocalizer {
   void initialize(const Pose2Gaussian& map_from_robot, std::optional<std::size_t> level);
   /// Anywhere on that level, or on any.
   void initialize_global(std::optional<std::size_t> level = std::nullopt);
+  /// The robot may as well be on a level without maps: none is believed until tell_level(), or
+  /// until a lift tells.
+  void doubt_level();
   /// Somebody says on which level the robot is: its pose stays. Throws InputError as initialize.
   void tell_level(std::size_t level);
 

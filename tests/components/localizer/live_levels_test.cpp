@@ -158,6 +158,47 @@ TEST_F(LiveLevels, TakeANewVersionThoughAnotherLevelsIsDamaged) {
   EXPECT_THAT(host_->take_errors(), testing::Contains(HasSubstr("levels/1")));
 }
 
+/// A house whose upper level nobody has mapped yet.
+class LiveLevelsWithoutMaps : public LiveLevels {
+ protected:
+  LiveLevelsWithoutMaps() {
+    fs::copy(house().site, own_, fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+    fs::remove(own_ / "levels/1/active");
+  }
+  test::TemporaryDirectory folder_;
+  fs::path own_ = folder_.path() / "house";
+};
+
+TEST_F(LiveLevelsWithoutMaps, AreNoPlaceToBeginOn) {
+  const std::string start = start_of_ride();
+  std::string error;
+  try {
+    begin("level: '1'" + start.substr(start.find(',')), own_);
+  } catch (const InputError& refused) {
+    error = refused.what();
+  }
+  EXPECT_THAT(error, HasSubstr("start.level: level '1' has no active version"));
+  EXPECT_THAT(error, HasSubstr("strata site activate SITE/levels/1"));
+}
+
+TEST_F(LiveLevelsWithoutMaps, LeaveTheLevelOpenToARobotThatWasThere) {
+  const fs::path kept = folder_.path() / "pose.yaml";
+  std::ofstream(kept)
+      << "{version: 1, map_from_robot: [1, 2, 0], covariance: [1, 0, 0, 0, 1, 0, 0, 0, 1], "
+         "odom_from_robot: [], stamp_ns: 1000000000, level: '1'}";
+  begin(start_of_ride() + ", store: {file: '" + kept.string() + "'}", own_);
+  EXPECT_THAT(host_->take_errors(),
+              testing::Contains(HasSubstr("the robot was on level '1', which has no active")));
+  play(0, 30);
+  EXPECT_TRUE(is_told("0", false));
+  for (const SiteLevel& level : levels_.wait_for(0)) EXPECT_FALSE(level.certain());
+  const auto taken = set_level("0");
+  ASSERT_TRUE(taken);
+  EXPECT_TRUE(taken->success()) << taken->message();
+  play(30, 33);
+  EXPECT_TRUE(is_told("0", true));
+}
+
 TEST_F(LiveLevels, OfNoneWithMapsAreRefused) {
   const fs::path empty = house().folder.path() / "empty";
   fs::remove_all(empty);
