@@ -65,15 +65,23 @@ void Building::load() {
 Building::Drawn Building::read_lifts(const fs::path& folder,
                                      const std::vector<std::string>& names) {
   Drawn drawn;
+  const auto tell = [&](const std::string& fault) {
+    drawn.fault += (drawn.fault.empty() ? "" : "; ") + fault;
+  };
   for (const site::Zone& zone : site::Site(folder).zones().zones) {
-    if (zone.kind != site::ZoneKind::kLift) continue;
+    if (zone.kind != site::ZoneKind::kLift) {
+      tell("zone " + zone.name +
+           " of the building does nothing: it is no lift, and belongs to a "
+           "level");
+      continue;
+    }
     localization::Lift lift{zone.shape, {}};
     for (const std::string& name : zone.levels.empty() ? names : zone.levels) {
       const std::size_t level = index_of(names, name);
       if (level < names.size()) {
         lift.levels.push_back(level);
       } else {
-        drawn.fault = "lift " + zone.name + " serves level '" + name + "', which is none";
+        tell("lift " + zone.name + " serves level '" + name + "', which is none");
       }
     }
     drawn.lifts.push_back(std::move(lift));

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <exception>
+#include <map>
 #include <string_view>
 #include <utility>
 
 #include "components/maps/maps_folder.hpp"
 #include "components/site/active_maps.hpp"
+#include "core/base/error.hpp"
 
 namespace strata::localizer {
 namespace {
@@ -49,22 +51,39 @@ void ZoneTopics::tell(const site::Site& site) {
   fault_ = std::move(fault);
 }
 
+void ZoneTopics::send(Topic& topic, const site::Zones& zones, const ReflectionGrid& map) {
+  const site::ZoneMask mask =
+      site::mask_of(zones, topic.kind, map, site::mask_rect(zones, map, topic.kind),
+                    {config_.preferred_cost_percent});
+  const std::size_t hash = hash_of(mask);
+  if (topic.sent == hash) return;
+  topic.mask.send(mask.values, mask.meaning, now_(), map_frame_);
+  topic.sent = hash;
+}
+
 std::string ZoneTopics::send(const site::Site& site) {
   const site::Zones zones = site.zones();
   const ReflectionGrid map =
       maps::open_for_reading(site::real_maps(site.folder())).load_reflection_grid("filtered");
-  const CellRect rect = site::mask_rect(zones, map);
-  std::vector<site::ZoneMask> masks;  // all or none
-  for (const Topic& topic : topics_) {
-    masks.push_back(site::mask_of(zones, topic.kind, map, rect, {config_.preferred_cost_percent}));
+  std::map<std::string, std::string> kinds_of;  // by what is wrong with them
+  for (Topic& topic : topics_) {
+    try {
+      send(topic, zones, map);
+    } catch (const std::exception& error) {  // stairs stay closed whatever is wrong with a speed
+      std::string& kinds = kinds_of[error.what()];
+      kinds += (kinds.empty() ? "" : ", ") + std::string(site::name_of(topic.kind));
+    }
   }
-  for (std::size_t i = 0; i < topics_.size(); ++i) {
-    const std::size_t hash = hash_of(masks[i]);
-    if (topics_[i].sent == hash) continue;
-    topics_[i].mask.send(masks[i].values, masks[i].meaning, now_(), map_frame_);
-    topics_[i].sent = hash;
+  std::string fault;
+  for (const auto& [why, kinds] : kinds_of) {
+    fault += "its zones of " + kinds + " are not used as they are now: " + why + "; ";
   }
-  return site::narrow_zones(zones, map.resolution_m(), rect);
+  if (!fault.empty()) return fault.substr(0, fault.size() - 2);
+  try {
+    return site::narrow_zones(zones, map.resolution_m(), site::mask_rect(zones, map));
+  } catch (const InputError&) {  // too far from each other to be looked at as one
+    return "";
+  }
 }
 
 std::string ZoneTopics::fault() const {

@@ -45,21 +45,23 @@ class ZoneTopics {
              Now now);
 
   /// Sends the masks that are not as they were sent last, on the cells of the active map and of the
-  /// zones. Zones that cannot be read leave all as they are. One thread at a time. O(cells).
+  /// zones that each shows. Zones that cannot be read leave all as they are, and those that make no
+  /// mask leave that one. One thread at a time. O(cells).
   void tell(const site::Site& site);
   /// Why the zones are not used as they are now, or which does nothing; empty: all is well.
   /// Thread-safe.
   [[nodiscard]] std::string fault() const;
 
  private:
-  /// Returns which zones do nothing.
-  std::string send(const site::Site& site);
-
   struct Topic {
     site::MaskKind kind;
     FilterMask mask;
     std::optional<std::size_t> sent;  ///< a hash of the mask
   };
+  /// Returns what is wrong with them, or which do nothing.
+  std::string send(const site::Site& site);
+  void send(Topic& topic, const site::Zones& zones, const ReflectionGrid& map);
+
   ZoneTopicsConfig config_;
   std::string map_frame_;
   Now now_;

@@ -15,7 +15,6 @@
 namespace strata::site {
 namespace {
 
-constexpr std::size_t kMaxCells = 40'000'000;
 constexpr double kWhole_percent = 100.0;
 constexpr double kRounding = 1e-6;  // what a product of decimals may lack
 constexpr double kLeastStep_m_s = 0.01;
@@ -203,21 +202,6 @@ std::string narrow_zones(const Zones& zones, double resolution_m, const CellRect
   }
   if (names.empty()) return names;
   return "narrower than the map's cells, these zones do nothing: " + names + "; draw them wider";
-}
-
-CellRect mask_rect(const Zones& zones, const ReflectionGrid& map) {
-  CellRect rect = map.rect();
-  for (const Zone& zone : zones.zones) {
-    for (const MetricPolygon& polygon : zone.shape) {
-      rect = rect.united(cells_around(polygon, map.resolution_m()));
-    }
-  }
-  if (rect.empty()) rect = {{0, 0}, {1, 1}};
-  if (rect.area() <= kMaxCells) return rect;
-  throw InputError(kZonesFile,
-                   "makes a mask of " + std::to_string(rect.width()) + " x " +
-                       std::to_string(rect.height()) + " cells, with the map",
-                   "draw the zones where the map is; 40 million cells are the most");
 }
 
 ZoneMask mask_of(const Zones& zones, MaskKind kind, const ReflectionGrid& map, const CellRect& rect,

@@ -45,8 +45,13 @@ struct ZoneMask {
   FilterMeaning meaning;
 };
 
+/// Whether a mask of that kind says something of the zone.
+[[nodiscard]] bool shows(MaskKind kind, const Zone& zone);
+
 /// The cells of a map and of all zones. Throws InputError where they are more than 40 million.
 [[nodiscard]] CellRect mask_rect(const Zones& zones, const ReflectionGrid& map);
+/// ... of the zones that a mask of that kind shows: others do not stop it.
+[[nodiscard]] CellRect mask_rect(const Zones& zones, const ReflectionGrid& map, MaskKind kind);
 
 /// Of cells whose middle lies in a zone (docs/site.md, "Zones"), over `rect` with the cells of
 /// `map`. Where zones overlap the greatest cost and the lowest speed hold, limits are rounded down.
@@ -54,6 +59,10 @@ struct ZoneMask {
 /// InputError where speeds in m/s are too far apart for one mask. O(cells + corners).
 [[nodiscard]] ZoneMask mask_of(const Zones& zones, MaskKind kind, const ReflectionGrid& map,
                                const CellRect& rect, const MaskConfig& config = {});
+
+/// Throws what mask_rect() and mask_of() throw of a kind that keeps robots from driving, or slows
+/// them, where the map has these zones. O(cells).
+void require_masks(const Zones& zones, const ReflectionGrid& map);
 
 /// One line for people about zones that do nothing since no cell of `rect` has its middle in them,
 /// such as a line of tape; empty when there are none. O(cells + corners).

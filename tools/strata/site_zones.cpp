@@ -47,12 +47,36 @@ ReflectionGrid map_of(const site::Site& site) {
   return maps::open_for_reading(site::real_maps(site.folder())).load_reflection_grid("filtered");
 }
 
+/// warn_of() tells of maps that cannot be read.
+ReflectionGrid map_or_none(const site::Site& site) try {
+  return map_of(site);
+} catch (const InputError&) {
+  return make_reflection_grid(0.05, {});
+}
+
 /// Of zones that no mask will have.
 void warn_of(const site::Site& site, const site::Zones& zones, VerbContext& context) try {
   const ReflectionGrid map = map_of(site);
   warn(context, site::narrow_zones(zones, map.resolution_m(), site::mask_rect(zones, map)));
 } catch (const InputError& error) {
   warn(context, error.what());
+}
+
+/// Throws where no robot would be told of them.
+void require_useful(const site::Site& site, const site::Zones& zones) {
+  std::error_code error;
+  const bool is_level = fs::exists(site.folder() / site::kLevelFile, error);
+  const bool is_building = !site.levels().empty();
+  for (const site::Zone& zone : zones.zones) {
+    const bool is_lift = zone.kind == site::ZoneKind::kLift;
+    if (is_building ? is_lift : !(is_level && is_lift)) continue;
+    throw InputError(site.zones_file().string() + ": zone '" + zone.name + "'",
+                     std::string("is of kind ") + site::name_of(zone.kind) + ", which a " +
+                         (is_building ? "building" : "level") + " has none of",
+                     is_building ? "add it to a level, `strata site zones SITE/levels/NAME add`"
+                                 : "add it to the building");
+  }
+  site::require_masks(zones, map_or_none(site));
 }
 
 void list_zones(const SiteOptions& options, VerbContext& context) {
@@ -62,8 +86,12 @@ void list_zones(const SiteOptions& options, VerbContext& context) {
 void set_zones(const SiteOptions& options, VerbContext& context) {
   site::Site site = open_site(options, context);
   const site::Zones wanted = site::read_zones(options.zone.file);
-  const site::Zones now = site.change_zones([&](site::Zones& zones) { zones = wanted; },
-                                            actor(options), "set from " + options.zone.file, true);
+  const site::Zones now = site.change_zones(
+      [&](site::Zones& zones) {
+        zones = wanted;
+        require_useful(site, zones);
+      },
+      actor(options), "set from " + options.zone.file, true);
   warn_of(site, now, context);
   list(options, context, now, "has " + counted(now.zones.size(), "zone") + " now");
 }
@@ -72,8 +100,11 @@ void add_zones(const SiteOptions& options, VerbContext& context) {
   site::Site site = open_site(options, context);
   const site::Zones more = site::read_zones(options.zone.file);
   const site::Zones now = site.change_zones(
-      [&](site::Zones& zones) { site::add(zones, more, options.zone.file); }, actor(options),
-      "added " + counted(more.zones.size(), "zone") + " from " + options.zone.file);
+      [&](site::Zones& zones) {
+        site::add(zones, more, options.zone.file);
+        require_useful(site, zones);
+      },
+      actor(options), "added " + counted(more.zones.size(), "zone") + " from " + options.zone.file);
   warn_of(site, now, context);
   list(options, context, now, "has " + counted(now.zones.size(), "zone") + " now");
 }
@@ -124,8 +155,8 @@ void write_mask(const SiteOptions& options, VerbContext& context) {
   ResultDirectory out(options.out, "a mask", context);
   const site::Zones zones = site.zones();
   const ReflectionGrid map = map_of(site);
-  const site::ZoneMask mask =
-      site::mask_of(zones, kind, map, site::mask_rect(zones, map), {options.zone.outside_cost});
+  const site::ZoneMask mask = site::mask_of(zones, kind, map, site::mask_rect(zones, map, kind),
+                                            {options.zone.outside_cost});
   const std::string name = site::name_of(kind);
   log::write_map(out.path() / (name + ".yaml"), mask.values, {.mode = log::MapMode::kRaw});
   write_text(out.path() / "nav2_params.yaml", nav2_parameters(mask, name, site.decisions().frame));
@@ -155,8 +186,11 @@ void import_mask(const SiteOptions& options, VerbContext& context) {
   const site::Zones more = site::zones_of_mask(log::read_map(options.zone.file), kind, meaning,
                                                name, site.decisions().frame, options.zone.file);
   const site::Zones now = site.change_zones(
-      [&](site::Zones& zones) { site::add(zones, more, options.zone.file); }, actor(options),
-      "took " + counted(more.zones.size(), "zone") + " from " + options.zone.file);
+      [&](site::Zones& zones) {
+        site::add(zones, more, options.zone.file);
+        require_useful(site, zones);
+      },
+      actor(options), "took " + counted(more.zones.size(), "zone") + " from " + options.zone.file);
   list(options, context, now,
        "took " + counted(more.zones.size(), "zone") + "; has " + counted(now.zones.size(), "zone") +
            " now");

@@ -123,6 +123,25 @@ TEST_F(LiveZones, ThatDoNothingAreToldOf) {
   }));
 }
 
+TEST_F(LiveZones, OfOneKindThatMakeNoMaskLeaveTheOthers) {
+  auto slow = square(3.0, 1.0, {{"name", "slow"}, {"kind", "speed"}, {"speed_m_s", 0.02}});
+  site::add(slow, square(2.0, 1.0, {{"name", "fast"}, {"kind", "speed"}, {"speed_m_s", 5.0}}), "");
+  site::add(slow, square(9e3, 9e3, {{"name", "far"}, {"kind", "speed"}, {"speed_percent", 9}}), "");
+  site::add(slow, square(1.0, 1.0, {{"name", "stairs"}, {"kind", "keepout"}}), "");
+  add(slow);
+  EXPECT_TRUE(says(keepout_, 1.5, 1.5, 100));
+  std::string said;
+  for (const char* fault :
+       {"zones of speed_m_s are not used", "zone 'slow'", "zones of speed are"}) {
+    EXPECT_TRUE(test::comes_true([&] {
+      host_->tick();
+      const auto all = diagnostics_.wait_for(0);
+      if (!all.empty()) said = all.back().status().front().message();
+      return said.find(fault) != std::string::npos;
+    })) << said;
+  }
+}
+
 TEST_F(LiveZones, ThatCannotBeReadLeaveTheMasksAndAreToldOf) {
   add(square(1.0, 1.0, {{"name", "dock"}, {"kind", "keepout"}}));
   ASSERT_TRUE(says(keepout_, 1.5, 1.5, 100));

@@ -166,5 +166,28 @@ TEST(ZoneMasks, RefuseWhatNoMaskOrNoZoneCanHold) {
   EXPECT_THROW((void)mask_kind("sped"), InputError);
 }
 
+TEST(ZoneMasks, OfOneKindAreMadeWhateverIsWrongWithAnother) {
+  const auto at = [](int x, Document properties) {
+    return rectangle({{x, 0}, {x + 2, 1}}, std::move(properties));
+  };
+  const Zones zones = zones_with(
+      Document::array({at(0, {{"name", "stairs"}, {"kind", "keepout"}}),
+                       rectangle({{9000, 9000}, {9001, 9001}},
+                                 {{"name", "far"}, {"kind", "speed"}, {"speed_percent", 30}}),
+                       at(4, {{"name", "slow"}, {"kind", "speed"}, {"speed_m_s", 0.02}}),
+                       at(8, {{"name", "fast"}, {"kind", "speed"}, {"speed_m_s", 5}})}));
+  const ReflectionGrid map = floor_of();
+  EXPECT_EQ(mask_rect(zones, map, MaskKind::kKeepout), kRect);
+  EXPECT_EQ(values_of(mask_of(zones, MaskKind::kKeepout, map, kRect))[0], 100);
+  EXPECT_THROW((void)mask_rect(zones, map, MaskKind::kSpeedPercent), InputError);
+  EXPECT_THROW((void)mask_of(zones, MaskKind::kSpeedMetres, map, kRect), InputError);
+  EXPECT_THROW(require_masks(zones, map), InputError);
+  EXPECT_NO_THROW(require_masks(
+      zones_with(Document::array(
+          {rectangle({{9000, 9000}, {9001, 9001}},
+                     {{"name", "far"}, {"kind", "learn"}, {"control", "static_only"}})})),
+      map));
+}
+
 }  // namespace
 }  // namespace strata::site

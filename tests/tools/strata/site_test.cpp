@@ -175,6 +175,47 @@ TEST_F(SiteVerb, KeepsZonesThatGoToNav2AndBack) {
   EXPECT_FALSE(fs::exists(at("no")));
 }
 
+TEST_F(SiteVerb, TakesOnlyZonesThatRobotsAreToldOf) {
+  const auto zones = [&](const std::string& name, const std::string& rest, double x_m) {
+    const std::string x = std::to_string(x_m);
+    return R"({"type": "Feature", "properties": {"name": ")" + name + R"(", "kind": )" + rest +
+           R"(}, "geometry": {"type": "Polygon", "coordinates": [[[)" + x + ",0],[" + x + ",2],[" +
+           std::to_string(x_m + 2.0) + ",2],[" + x + ",0]]]}}";
+  };
+  const auto write = [&](const std::string& features) {
+    std::ofstream(at("z.geojson"))
+        << R"({"type": "FeatureCollection", "features": [)" << features << "]}";
+    return quoted(at("z.geojson"));
+  };
+  const auto refused = [](const Outcome& outcome, const std::string& why) {
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.out, HasSubstr(why));
+  };
+  const std::string stairs = zones("stairs", R"("keepout")", 0.0);
+  const std::string lift = zones("lift", R"("lift")", 0.0);
+  ASSERT_EQ(site("init", "--id hall-3").code, 0);
+  ASSERT_EQ(site("zones", "set " + write(stairs)).code, 0);
+  const std::string slow = zones("slow", R"("speed", "speed_m_s": 0.02)", 4.0);
+  const std::string fast = zones("fast", R"("speed", "speed_m_s": 5)", 8.0);
+  refused(site("zones", "add " + write(slow + "," + fast)), "zone 'slow': is too slow");
+  refused(site("zones", "set " + write(slow + "," + fast)), "zone 'slow': is too slow");
+  refused(site("zones", "add " + write(zones("far", R"("keepout")", 9e3))), "40 million cells");
+  EXPECT_EQ(ask("zones", "list").size(), 1U) << "what is refused changes nothing";
+  EXPECT_EQ(site("zones", "add " + write(slow)).code, 0);
+
+  ASSERT_EQ(test::run_strata("site init " + quoted(at("house")) + " --id house").code, 0);
+  ASSERT_EQ(test::run_strata("site levels " + quoted(at("house")) + " add 0 --elevation 0").code,
+            0);
+  const auto add_to = [&](const std::string& folder, const std::string& features) {
+    return test::run_strata("site zones " + quoted(at(folder)) + " add " + write(features) +
+                            " 2>&1");
+  };
+  refused(add_to("house", stairs), "is of kind keepout, which a building has none of");
+  refused(add_to("house/levels/0", lift), "is of kind lift, which a level has none of");
+  EXPECT_EQ(add_to("house", lift).code, 0);
+  EXPECT_EQ(add_to("house/levels/0", stairs).code, 0);
+}
+
 TEST_F(SiteVerb, OutlivesKillsAtAnyMoment) {
   ASSERT_EQ(site("init", "--id hall-3").code, 0);
   const std::string a = approved("a");
