@@ -211,6 +211,12 @@ Consistency check_consistency(std::span<const PosedScan> scans, WorkerPool& pool
   std::vector<ComparedStretches> pairs = compare_stretches(scans, pool);
   Consistency result;
   result.compared = pairs.size();
+  for (const ComparedStretches& pair : pairs) {
+    const auto against =
+        static_cast<std::size_t>(std::lround(pair.share * static_cast<double>(pair.cells)));
+    result.contradicting_cells += against;
+    result.fitting_cells += pair.cells - against;
+  }
   std::erase_if(pairs, [](const ComparedStretches& pair) { return pair.share <= kMaxShare; });
   result.contradicting = pairs.size();
   result.consistent = pairs.size() < kMinContradicting ||

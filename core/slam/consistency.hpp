@@ -27,8 +27,15 @@ struct Consistency {
   bool consistent = true;
   std::size_t compared = 0;       ///< pairs of stretches that saw enough in common
   std::size_t contradicting = 0;  ///< of those
+  std::size_t fitting_cells = 0;  ///< with a surface by one of a pair, and near one by the other
+  std::size_t contradicting_cells = 0;  ///< ... and free by the other
   /// Of those the worst first; of several within 5 m the worst alone.
   std::vector<ComparedStretches> places;
+
+  /// How much of what was seen on several ways agrees, less what contradicts [cells].
+  [[nodiscard]] double agreement_cells() const {
+    return static_cast<double>(fitting_cells) - static_cast<double>(contradicting_cells);
+  }
 };
 
 /// Cuts the way into stretches of a few metres, draws what each saw of static surfaces near it, and

@@ -143,6 +143,10 @@ class Slam {
  private:
   struct State;
   [[nodiscard]] SlamResult finish_passes(Progress* progress);
+  [[nodiscard]] SlamResult finish_usual_passes(Progress* progress);
+  /// Another pass over what was added, with the labels of that result.
+  [[nodiscard]] SlamResult track_anew(SlamResult result, const ClosureConfig& closure,
+                                      Progress* progress);
   std::unique_ptr<State> state_;
 };
 

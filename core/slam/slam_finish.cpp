@@ -13,29 +13,12 @@
 #include "core/slam/slam_state.hpp"
 
 namespace strata::slam {
-namespace {
 
-/// Fewer dynamic beams than this do not bend a trajectory.
-constexpr double kWorthTrackingAgain = 0.003;
-
-/// Rounds of EM before that: enough to tell which beams are dynamic.
-constexpr int kRoundsBefore = 3;
-
-/// The log is tracked once more than once only where the map still contradicts itself: what the
-/// better map holds to be dynamic may be what bent it.
-constexpr int kTracksAgain = 2;
-
-/// Contradictions of a later pass, against those of an earlier one, that it has to be below.
-constexpr double kClearlyLess = 0.7;
-
-/// Beside the maps of the next pass they would be the most memory of all.
 void forget_maps(SlamResult& result) {
   result.raw = CountingMap(result.raw.resolution_m());
   result.occupancy = {};
   result.filtered = {};
 }
-
-}  // namespace
 
 /// Each scan goes with its local map; between the middles of two local maps of a run the correction
 /// passes over smoothly, so that the trajectory does not jump where one takes over.
@@ -110,59 +93,6 @@ void Slam::State::improve(SlamResult& result, int rounds, Progress* progress) {
   result.dynamic_fraction = em.dynamic_fraction;
 }
 
-void Slam::State::track_again(SlamResult& before, State& again) {
-  again.checks.skip_as(checks);
-  std::size_t next = 0;
-  for (Record& record : records) {
-    PosedScan& posed = record.used ? before.scans[next++] : record.posed;
-    if (&record == &records.front() || record.posed.run != (&record - 1)->posed.run) {
-      const auto begun = std::find_if(begun_at.begin(), begun_at.end(),
-                                      [&](const auto& known) { return known.first == posed.run; });
-      if (begun != begun_at.end()) again.next_start = begun->second;
-    }
-    const Observation observation{posed.run, std::move(posed.scan),
-                                  record.odometry.value_or(Pose2{}), record.odometry.has_value()};
-    again.add(observation, record.given ? &*record.given : nullptr, record.placed,
-              posed.static_probability);
-  }
-}
-
-bool EarlierPass::is_preferred_to(const Consistency& now) const {
-  return !now.consistent && static_cast<double>(now.contradicting) >
-                                kClearlyLess * static_cast<double>(consistency.contradicting);
-}
-
-bool EarlierPass::is_of(const SlamResult& result) const {
-  return std::equal(result.scans.begin(), result.scans.end(), stamps.begin(), stamps.end(),
-                    [](const PosedScan& scan, Stamp stamp) { return scan.scan.stamp == stamp; });
-}
-
-EarlierPass Slam::State::pass_of(const SlamResult& result) {
-  EarlierPass pass;
-  pass.consistency = check_consistency(result.scans, pool);
-  pass.mapped = mapped;
-  pass.moves = moves;
-  pass.loop_closures = result.loop_closures;
-  pass.warnings = result.warnings;
-  for (const PosedScan& scan : result.scans) {
-    pass.poses.push_back(scan.map_from_robot);
-    pass.stamps.push_back(scan.scan.stamp);
-  }
-  return pass;
-}
-
-void Slam::State::go_back(const EarlierPass& before, SlamResult& result, Progress* progress) {
-  for (std::size_t i = 0; i < before.poses.size(); ++i) {
-    result.scans[i].map_from_robot = before.poses[i];
-    result.scans[i].static_probability.clear();
-  }
-  mapped = before.mapped;
-  moves = before.moves;
-  result.loop_closures = before.loop_closures;
-  result.warnings = before.warnings;
-  improve(result, config.em.max_iterations, progress);
-}
-
 namespace {
 
 std::string inconsistent(const Consistency& consistency) {
@@ -197,37 +127,6 @@ SlamResult Slam::finish(Progress* progress) {
   result.surfaces = learned_surfaces(result.scans, result.filtered.resolution_m());
   result.consistency = check_consistency(result.scans, state_->pool);
   if (!result.consistency.consistent) result.warnings.push_back(inconsistent(result.consistency));
-  return result;
-}
-
-SlamResult Slam::finish_passes(Progress* progress) {
-  const EmConfig& em = state_->config.em;
-  if (!em.track_again || state_->forgot) return state_->finish(em.max_iterations, progress);
-  SlamResult result = state_->finish(kRoundsBefore, progress);
-  const std::vector<bool>& moves = state_->moves;
-  if (std::find(moves.begin(), moves.end(), true) == moves.end()) return result;
-  if (result.dynamic_fraction < kWorthTrackingAgain) {
-    // The trace goes on from its best round.
-    std::vector<double> trace(result.log_likelihood.begin(),
-                              result.log_likelihood.begin() + result.iterations + 1);
-    state_->improve(result, em.max_iterations, progress);
-    result.iterations += static_cast<int>(trace.size()) - 1;
-    trace.insert(trace.end(), result.log_likelihood.begin() + 1, result.log_likelihood.end());
-    result.log_likelihood = std::move(trace);
-    return result;
-  }
-  for (int time = 0; time < kTracksAgain; ++time) {
-    const EarlierPass before = state_->pass_of(result);
-    forget_maps(result);
-    auto again = std::make_unique<State>(state_->config, state_->pool.threads(), KeepConfig{});
-    state_->track_again(result, *again);
-    state_ = std::move(again);
-    result = state_->finish(state_->config.em.max_iterations, progress);
-    if (!before.is_of(result)) return result;
-    const Consistency now = check_consistency(result.scans, state_->pool);
-    if (before.is_preferred_to(now)) state_->go_back(before, result, progress);
-    if (now.consistent || before.is_preferred_to(now)) return result;
-  }
   return result;
 }
 

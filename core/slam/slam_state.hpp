@@ -46,6 +46,9 @@ struct Record {
   }
 };
 
+/// Beside the maps of the next pass they would be the most memory of all.
+void forget_maps(SlamResult& result);
+
 /// Poses of a pass over the log that another one may not replace.
 struct EarlierPass {
   std::vector<Pose2> poses;
@@ -58,6 +61,9 @@ struct EarlierPass {
 
   /// Tracking again has to make the map consistent, or at least much more so.
   [[nodiscard]] bool is_preferred_to(const Consistency& now) const;
+  /// Loops that were found in a wider search have to do that, or to make ways agree in clearly more
+  /// cells: where poses were far off, much of what contradicts now was not compared before.
+  [[nodiscard]] bool is_outdone_by(const Consistency& now) const;
   /// Whether the result has the same scans.
   [[nodiscard]] bool is_of(const SlamResult& result) const;
 };
