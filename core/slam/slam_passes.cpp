@@ -120,6 +120,8 @@ SlamResult Slam::finish_passes(Progress* progress) {
   }
   const EarlierPass before = state_->pass_of(result);
   if (before.consistency.consistent) return result;
+  // What a folded map holds to be dynamic is no guide.
+  for (PosedScan& scan : result.scans) scan.static_probability.clear();
   result = track_anew(std::move(result), wider(config.closure), progress);
   if (!before.is_of(result)) return result;
   const Consistency now = check_consistency(result.scans, state_->pool);

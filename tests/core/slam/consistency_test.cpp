@@ -81,7 +81,7 @@ TEST(Consistency, DoesNotHoldOfAMapThatIsBent) {
 TEST(Consistency, CountsTheCellsInWhichWaysAgreeAndContradict) {
   const Consistency good = checked(there_and_back({}));
   const Consistency bent = checked(there_and_back(Pose2{0.0, 1.0, 0.0}));
-  EXPECT_GT(good.fitting_cells, 50 * good.contradicting_cells);
+  EXPECT_GT(good.fitting_cells, 20 * good.contradicting_cells);
   EXPECT_GT(bent.contradicting_cells, bent.fitting_cells / 2);
   EXPECT_LT(bent.agreement_cells(), 0.5 * good.agreement_cells());
   std::size_t cells = 0;
