@@ -76,7 +76,6 @@ class Nights:
         self.strata, self.work, self.nights, self.seed = os.path.abspath(strata), work, nights, seed
         self.rate_hz, self.beams, self.frame = rate_hz, beams, None
         self.site = f"{work}/site"
-        self.maps = f"{work}/maps"
         step = max(2, nights // 8)
         # The middle of the time for what is moved for good, the rest for what is bad.
         self.moved, self.came = 3 * step, 5 * step
@@ -117,7 +116,7 @@ class Nights:
     def learned(self, day, kind):
         """What was learned of a day, as its night has it."""
         out = f"{self.work}/next"
-        update = ["--update", self.maps] if os.path.exists(self.maps) else [
+        update = ["--update", f"{self.site}/active", "--force"] if self.active() else [
             "--truth", f"{self.days}/day_{day}/truth.tum"]
         if kind == "foreign":
             self.learn(f"{self.foreign}/day_1/log.clf", out, *update)
@@ -180,9 +179,6 @@ class Nights:
             result.update(self.frame_of(day, out))
         if self.frame:
             result["shows"] = self.shown()
-        if is_taken:
-            shutil.rmtree(self.maps, ignore_errors=True)
-            os.rename(out, self.maps)
         self.run("site", "gc", self.site, "--quiet")
         return result
 

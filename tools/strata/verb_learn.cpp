@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "components/maps/summary.hpp"
 #include "components/settings/settings.hpp"
 #include "components/site/learn_limits.hpp"
+#include "components/site/map_version.hpp"
 #include "components/site/zones.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/cost.hpp"
@@ -135,6 +137,31 @@ pipeline::LearnWithin limits_of(const LearnOptions& options, const maps::LearnCo
   return within;
 }
 
+/// Runs of the folder that neither go on in what is learned nor are learned again would be lost:
+/// visits that nobody has pushed, say.
+void require_no_lost_runs(const LearnOptions& options, const maps::EarlierRuns& base,
+                          const std::vector<Observation>& seen, const VerbContext& context) {
+  if (context.options.force || runs_in(options.out) == 0 || updates_in_place(options)) return;
+  std::optional<maps::EarlierRuns> there;
+  try {
+    there = maps::read_earlier_runs(options.out);
+  } catch (const InputError&) {
+    return;  // nothing that could be gone on from
+  }
+  std::set<Stamp> learned;
+  for (const Observation& one : seen) learned.insert(one.scan.stamp);
+  for (const std::vector<PosedScan>& run : maps::new_runs(std::move(*there), base)) {
+    const Stamp begin = run.front().scan.stamp;
+    if (learned.contains(begin) && learned.contains(run.back().scan.stamp)) continue;
+    throw OutputError(options.out,
+                      "holds run " + std::to_string(run.front().run) + ", which began at " +
+                          site::utc_text(begin.ns) + " and which neither " + options.update +
+                          " nor these logs have",
+                      "choose another --out, go on from it with --update " + options.out +
+                          ", or give --force to lose it");
+  }
+}
+
 std::string joined(const std::vector<std::string>& texts) {
   std::string all;
   for (const std::string& text : texts) all += (all.empty() ? "" : " ") + text;
@@ -179,6 +206,7 @@ void run_learn(const LearnOptions& options, VerbContext& context) {
   const pipeline::Runs runs =
       pipeline::read_runs(with_config(options.input, log_config), context.progress(), first_run);
   note_reports(context, runs);
+  if (earlier) require_no_lost_runs(options, *earlier, runs.observations, context);
   const pipeline::LearnResult result = pipeline::learn_within(
       limits, runs.observations, runs.poses, config, parts, context.options.seed,
       context.options.threads, context.progress(), earlier ? &*earlier : nullptr);
