@@ -82,9 +82,11 @@ void check_frame(const ReflectionGrid& active, const ReflectionGrid& candidate,
 
 /// Holds the frame against the oldest version that the candidate still shares its walls with: steps
 /// that are each too small to be refused must not add up.
-void check_drift(const std::vector<std::filesystem::path>& earlier, const ReflectionGrid& candidate,
-                 const GateConfig& config, GateReport& report) {
-  for (const std::filesystem::path& folder : earlier) {
+void check_drift(const GateTask& task, const ReflectionGrid& candidate, const GateConfig& config,
+                 GateReport& report) {
+  for (const std::filesystem::path& folder : task.earlier) {
+    if (task.is_whole && !task.is_whole(folder))
+      continue;  // it would say that the frame is another
     const ReflectionGrid first = maps::read_maps(folder).filtered;
     if (first.resolution_m() != candidate.resolution_m()) continue;
     const MapShift shift = map_shift(candidate, first);
@@ -98,27 +100,6 @@ void check_drift(const std::vector<std::filesystem::path>& earlier, const Reflec
              " rad from that of the first version with these walls (most " +
              fixed(config.max_drift_m, 3) + " m, " + fixed(config.max_turn_rad, 4) + " rad)"});
     return;
-  }
-}
-
-/// A run alone may be of another building, or lie in a wrong place. Where a recording of another
-/// drive contradicts the active version as well, it is the building that changed.
-void check_new_runs(const std::vector<NewRun>& runs, const GateConfig& config, GateReport& report) {
-  const double most = config.max_new_contradicted;
-  const bool others_too = std::any_of(
-      report.logs.begin(), report.logs.end(),
-      [&](const GateLog& log) { return log.active && log.active->contradicted > most; });
-  for (const NewRun& run : runs) {
-    const bool is_much = run.contradicted > most;
-    const std::string why = !is_much ? ""
-                            : others_too
-                                ? ", as a recording does: the building changed"
-                                : ", and no recording does: another building, a wrong place, or "
-                                  "it was rebuilt since";
-    report.checks.push_back({"new run", "", !is_much || others_too,
-                             percent(run.contradicted) + " of the scans of its new run " +
-                                 std::to_string(run.run) + " contradict the active version (most " +
-                                 percent(most) + ")" + why});
   }
 }
 
@@ -218,6 +199,7 @@ void drive_log(std::size_t number, const GateTask& task, const GateConfig& confi
   }
   GateLog log;
   log.log = input.logs.front();
+  for (const Observation& seen : recording.observations) log.period.add(seen.scan.stamp);
   const std::optional<Pose2> start = find_start(known, recording, task, config, progress);
   if (!start && active) {
     log.passed_over = "the robot is not found in the active version";
@@ -274,7 +256,7 @@ GateReport run_gate(const GateTask& task, const GateConfig& config, Progress* pr
     check_frame(active_maps->filtered, candidate.maps.filtered, config, report);
     new_runs = judge_new_runs(task.candidate, *task.active, active_maps->filtered);
   }
-  check_drift(task.earlier, candidate.maps.filtered, config, report);
+  check_drift(task, candidate.maps.filtered, config, report);
   if (task.input.logs.empty()) {
     check_new_runs(new_runs, config, report);
     return report;

@@ -2,9 +2,11 @@
 /// Whether maps may take the place of those that robots localize in (docs/site.md, "The gate").
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +15,7 @@
 #include "components/maps/maps_folder.hpp"
 #include "core/base/config.hpp"
 #include "core/base/progress.hpp"
+#include "core/base/time.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "tools/pipeline/map_fit.hpp"
 #include "tools/pipeline/runs_input.hpp"
@@ -120,8 +123,22 @@ struct Drive {
   pipeline::LogFit fit;
 };
 
+/// From the first to the last stamp of a drive.
+struct Period {
+  std::optional<Stamp> begin;
+  std::optional<Stamp> end;
+  void add(Stamp stamp) {
+    begin = begin ? std::min(*begin, stamp) : stamp;
+    end = end ? std::max(*end, stamp) : stamp;
+  }
+  [[nodiscard]] bool overlaps(const Period& other) const {
+    return begin && other.begin && *begin <= *other.end && *other.begin <= *end;
+  }
+};
+
 struct GateLog {
   std::string log;
+  Period period;
   std::string passed_over;  ///< why it says nothing; empty: it was driven
   std::optional<Drive> active;
   Drive candidate;
@@ -141,6 +158,8 @@ struct GateTask {
   std::optional<std::filesystem::path> active;  ///< nothing: the first version of a site
   /// MAPS folders that were active before, the oldest first: none may be lost sight of bit by bit.
   std::vector<std::filesystem::path> earlier;
+  /// Asked of each of them before it is read; none: all are.
+  std::function<bool(const std::filesystem::path&)> is_whole;
   pipeline::RunsInput input;  ///< recordings, and their truths where known
   std::string model;          ///< empty: patch where both have one, else filtered
   std::uint64_t seed = 1;

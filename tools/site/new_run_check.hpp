@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/grid/reflection_grid.hpp"
+#include "tools/site/gate.hpp"
 
 namespace strata::site {
 
@@ -16,6 +17,7 @@ struct NewRun {
   int run = 0;
   std::size_t scans = 0;      ///< that the active map can judge
   double contradicted = 0.0;  ///< share of these, pipeline::FitState
+  Period period;
 };
 
 /// Those with enough scans to be judged (pipeline::kFitWindow). Maps without scans have none.
@@ -23,5 +25,10 @@ struct NewRun {
 [[nodiscard]] std::vector<NewRun> judge_new_runs(const std::filesystem::path& candidate,
                                                  const std::filesystem::path& active,
                                                  const ReflectionGrid& filtered);
+
+/// A check of each run. One that contradicts the active version by too much passes where a
+/// recording of another drive, whose stamps are others, contradicts it about as much: the building
+/// changed.
+void check_new_runs(const std::vector<NewRun>& runs, const GateConfig& config, GateReport& report);
 
 }  // namespace strata::site

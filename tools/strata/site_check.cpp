@@ -3,6 +3,7 @@
 /// activated.
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,11 +58,11 @@ site::GateReport look_at(const SiteOptions& options, VerbContext& context, const
   for (const site::VersionStatus& other : site.versions()) {
     const bool is_earlier = other.decision.was_active && other.fault.empty() &&
                             other.version.hash != version.version.hash;
-    // A damaged one would say that the frame is another.
-    if (is_earlier && site.fault_of(other.version.hash).empty()) {
-      task.earlier.push_back(site.maps_of(other.version.hash));
-    }
+    if (is_earlier) task.earlier.push_back(site.maps_of(other.version.hash));
   }
+  task.is_whole = [&site](const std::filesystem::path& maps) {
+    return site.fault_of(maps.parent_path().filename().string()).empty();
+  };
   task.input = input_of(options, site);
   task.model = options.model;
   task.seed = context.options.seed;

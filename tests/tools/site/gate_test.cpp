@@ -29,6 +29,8 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+constexpr double kDay_s = 86'400.0;
+
 /// The maps of a simulated room, and a recording of the day after.
 class Gate : public testing::Test {
  protected:
@@ -177,27 +179,43 @@ TEST_F(Gate, RefusesANewRunThatContradictsWhatIsActiveUnlessARecordingDoesAsWell
                      .map_from_robot = pose,
                      .static_probability = {}});
     for (float& range_m : changed[i].scan.ranges_m) range_m *= 0.5F;
+    changed[i].scan.stamp = changed[i].scan.stamp + Duration::from_seconds(kDay_s);
   }
   memory::Store(at("astray") / maps::kStoreFile).save_scans(1, scans);
   const GateReport report = run("astray");
   EXPECT_THAT(failed(report), testing::ElementsAre("new run")) << to_text(report);
-  EXPECT_THAT(in_short(report), HasSubstr("and no recording does"));
+  EXPECT_THAT(in_short(report), HasSubstr("and no recording of another drive does as much"));
   EXPECT_THAT(failed(run("astray", false)), testing::ElementsAre("new run"));
 
+  const auto beside = [&](const std::vector<Observation>& recording) {
+    GateTask task;
+    task.candidate = at("astray");
+    task.active = at("active");
+    write_log("changed.clf", recording);
+    std::vector<log::StampedPose> truth;
+    for (std::size_t i = 0; i < recording.size(); ++i) {
+      truth.push_back({recording[i].scan.stamp, days().second_poses[i]});
+    }
+    log::write_trajectory(at("truth.tum"), truth);
+    task.input.logs = {at("changed.clf").string()};
+    task.input.truths = {at("truth.tum").string()};
+    return run_gate(task, {}, nullptr);
+  };
   // A day on which everything stood half as far away.
-  GateTask task;
-  task.candidate = at("astray");
-  task.active = at("active");
-  write_log("changed.clf", changed);
-  std::vector<log::StampedPose> truth;
-  for (std::size_t i = 0; i < changed.size(); ++i) {
-    truth.push_back({changed[i].scan.stamp, days().second_poses[i]});
-  }
-  log::write_trajectory(at("truth.tum"), truth);
-  task.input.logs = {at("changed.clf").string()};
-  task.input.truths = {at("truth.tum").string()};
-  const GateReport rebuilt = run_gate(task, {}, nullptr);
+  const GateReport rebuilt = beside(changed);
   EXPECT_THAT(failed(rebuilt), testing::Not(Contains("new run"))) << to_text(rebuilt);
+  // The run's own drive says nothing more than the run.
+  std::vector<Observation> own = changed;
+  for (std::size_t i = 0; i < own.size(); ++i) own[i].scan.stamp = days().second[i].scan.stamp;
+  EXPECT_THAT(failed(beside(own)), Contains("new run"));
+  // Somebody else's, half of which contradicts.
+  std::vector<Observation> half = changed;
+  for (std::size_t i = 0; i < 2 * half.size() / 5; ++i) {
+    half[i].scan.ranges_m = days().second[i].scan.ranges_m;
+  }
+  const GateReport somewhat = beside(half);
+  EXPECT_GT(somewhat.logs.front().active->contradicted, 0.5) << to_text(somewhat);
+  EXPECT_THAT(failed(somewhat), Contains("new run"));
 }
 
 TEST_F(Gate, RefusesWhatNoRecordingSaysAnythingOf) {
