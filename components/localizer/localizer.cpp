@@ -45,7 +45,8 @@ void Localizer::on_configure() {
   offer_site();
   offer_levels();
   if (known != nullptr) offer_patch_map(*known);
-  subscribe_sensors(config_.input, config_.sensor_qos);
+  subscribe_sensors(config_.input, config_.sensor_qos,
+                    config_.publish_tf ? config_.odometry_frame : "");
 }
 
 void Localizer::load_place() {

@@ -183,8 +183,11 @@ class BagParser {
       if (scanners_ == 0) content.scan_frame = frame;
       report_.scanners.push_back({topic, {}});
       const Pose3 mounting = find_mounting(frame);
+      const std::string doubt = doubt_mounting(frame, mounting);
+      const bool is_cloud = scans.front().is_cloud;
+      if (!is_cloud && !doubt.empty()) report_.warnings.push_back(doubt);
       // The slice of a cloud lies elsewhere than the cloud's own frame.
-      if (!scans.front().is_cloud) content.scanner_frames.push_back({planar(mounting), frame});
+      if (!is_cloud) content.scanner_frames.push_back({planar(mounting), frame});
       add_observations(std::move(scans), mounting, where, track, content);
       ++scanners_;
     }

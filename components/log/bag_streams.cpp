@@ -2,6 +2,7 @@
 #include "components/log/bag_streams.hpp"
 
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -110,6 +111,10 @@ class StreamReader {
   void take_scan(const std::string& topic, const sensor_msgs::msg::LaserScan& message,
                  const std::string& place) {
     SensedScan framed = sensed(message, place);
+    const std::string doubt = doubt_angles(message);
+    if (!doubt.empty() && doubted_.insert(topic).second) {
+      report_.warnings.push_back(place + ": " + doubt);
+    }
     append(std::move(framed), streams_.scans[topic], report_);
   }
 
@@ -130,7 +135,7 @@ class StreamReader {
       if (!streams_.frames.add_fixed(transform)) not_finite();
     } else if (parent != frame_name(options_.odom_frame)) {
       if (!streams_.frames.add_moving(transform)) return not_finite();
-      if (options_.use_odometry && parent.starts_with("odom")) {
+      if (options_.use_odometry && names_odometry(parent)) {
         add_moving(transform, other_odometry_[parent][child]);
       }
     } else if (options_.use_odometry) {
@@ -177,9 +182,10 @@ class StreamReader {
   const ReadOptions& options_;
   ReadReport& report_;
   BagStreams streams_;
-  /// By frame: moving in one that is not called as options_ has it, but begins with "odom".
+  /// By frame: moving in one that is not called as options_ has it, but is named so.
   std::map<std::string, std::map<std::string, OdometryStream>> other_odometry_;
   std::size_t unset_rotations_ = 0;
+  std::set<std::string> doubted_;  ///< topics whose angles are
 };
 
 }  // namespace

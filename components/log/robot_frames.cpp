@@ -25,6 +25,10 @@ Pose2 moved_by(const Pose2& odom_from_child, const Pose2& child_from_robot) {
   return child_from_robot == Pose2{} ? odom_from_child : odom_from_child * child_from_robot;
 }
 
+bool names_odometry(const std::string& frame) {
+  return frame.substr(frame.rfind('/') + 1).starts_with("odom");  // npos + 1 is 0
+}
+
 bool is_sound(const Pose3& pose) {
   return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
          pose.rotation.squaredNorm() > 0.0;
@@ -80,9 +84,12 @@ std::string RobotFrames::missing_mounting(const std::string& sensor_frame,
                                           const std::string& odometry_child) const {
   const std::string robot = pose_frame(odometry_child);
   const bool moves = connected(all_, sensor_frame, odometry_child).has_value();
+  const std::string root = fixed_.root_of(sensor_frame);
+  const bool has_other_root = !moves && root != sensor_frame && !all_.knows(robot);
   return (moves ? sensor_frame + " moves against " + robot + ", as /tf tells"
                 : "tf_static does not connect " + sensor_frame + " to " + robot) +
-         "; the laser is taken to sit at its origin";
+         "; the laser is taken to sit at its origin" +
+         (has_other_root ? ". It hangs on " + root + ": set robot_frame to the robot's frame" : "");
 }
 
 bool RobotFrames::is_fixed(const std::string& sensor_frame,

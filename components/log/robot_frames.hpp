@@ -37,7 +37,8 @@ class RobotFrames {
   /// ROS 1. Nothing when they are not connected. O(frames).
   [[nodiscard]] std::optional<Pose3> mounting(const std::string& sensor_frame,
                                               const std::string& odometry_child) const;
-  /// For people, where `mounting` gives nothing: why, and what is done about it.
+  /// For people, where `mounting` gives nothing: why, what is done about it, and, where tf knows
+  /// the sensor but not the robot's frame, what to set.
   [[nodiscard]] std::string missing_mounting(const std::string& sensor_frame,
                                              const std::string& odometry_child) const;
   /// Whether `mounting` is by /tf_static alone.
@@ -64,6 +65,9 @@ class RobotFrames {
 
 /// odom_from_robot of odom_from_child; to the bit where the two frames are one.
 [[nodiscard]] Pose2 moved_by(const Pose2& odom_from_child, const Pose2& child_from_robot);
+
+/// Whether a frame is one of odometry by its name: odom_combined, robot1/odom.
+[[nodiscard]] bool names_odometry(const std::string& frame);
 
 /// Whether all numbers are, and the rotation is one.
 [[nodiscard]] bool is_sound(const Pose3& pose);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/log/transform_tree.hpp"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace strata::log {
@@ -34,6 +35,23 @@ std::optional<Pose3> TransformTree::find(const std::string& target,
     }
   }
   return std::nullopt;
+}
+
+bool TransformTree::knows(const std::string& frame) const {
+  const std::string name = frame_name(frame);
+  return std::any_of(links_.begin(), links_.end(), [&](const auto& link) {
+    return link.first == name || link.second.first == name;
+  });
+}
+
+std::string TransformTree::root_of(const std::string& frame) const {
+  std::string root = frame_name(frame);
+  for (std::size_t step = 0; step < links_.size(); ++step) {  // a circular tree ends too
+    const auto link = links_.find(root);
+    if (link == links_.end()) break;
+    root = link->second.first;
+  }
+  return root;
 }
 
 }  // namespace strata::log

@@ -24,6 +24,10 @@ class TransformTree {
   /// target_from_source along the links, either way round; nothing when they are not connected.
   [[nodiscard]] std::optional<Pose3> find(const std::string& target,
                                           const std::string& source) const;
+  /// Whether some transform names the frame. O(links).
+  [[nodiscard]] bool knows(const std::string& frame) const;
+  /// The frame that it hangs on in the end; its own where it hangs on none.
+  [[nodiscard]] std::string root_of(const std::string& frame) const;
 
  private:
   std::map<std::string, std::pair<std::string, Pose3>> links_;  ///< child -> parent

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -15,7 +16,8 @@ constexpr int kWaitingOdometry = 1000;
 
 }  // namespace
 
-void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const std::string& qos) {
+void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const std::string& qos,
+                                        const std::string& published_odometry_frame) {
   SensorInputConfig config = wanted;
   if (lockstep()) {
     // The player sends the scans of all scanners there, each in a frame of its own.
@@ -24,6 +26,7 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const s
   }
   input_.emplace(config, !lockstep());
   stamps_ = {};
+  published_odometry_frame_ = log::frame_name(published_odometry_frame);
   is_set_back_ = false;
   subscribe<tf2_msgs::msg::TFMessage>("/tf_static", "tf_static", [this](const auto& message) {
     input_->add(message);
@@ -38,8 +41,9 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const s
                                         {.min_waiting = kWaitingOdometry});
   }
   subscribe<nav_msgs::msg::Odometry>(config.odometry_topic, qos,
-                                     [this](const auto& message) {
+                                     [this, topic = config.odometry_topic](const auto& message) {
                                        input_->add(message);
+                                       compare_frames(message, topic);
                                        // In lockstep the scan comes after its odometry.
                                        if (!lockstep()) take_observations();
                                      },
@@ -57,6 +61,17 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const s
       subscribe<sensor_msgs::msg::PointCloud2>(topics[topic], qos, add);
     }
   }
+}
+
+void SensorComponent::compare_frames(const nav_msgs::msg::Odometry& message,
+                                     const std::string& topic) {
+  if (lockstep() || published_odometry_frame_.empty()) return;
+  const std::string frame = log::frame_name(message.header().frame_id());
+  if (frame.empty() || frame == published_odometry_frame_) return;
+  const std::string published = std::exchange(published_odometry_frame_, "");  // told once
+  tell(InputError(resolve(topic),
+                  "is in the frame " + frame + ", and the map's transform is to " + published,
+                  "set odometry_frame to the frame that /tf moves the robot in"));
 }
 
 void SensorComponent::take_observations() {

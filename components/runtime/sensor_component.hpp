@@ -17,8 +17,11 @@ class SensorComponent : public Component {
 
  protected:
   /// Subscribes /tf_static, odometry, live also /tf, and scans of every scanner; for on_configure.
-  /// qos: profile of odometry and scans. What the input complains of is told, once each.
-  void subscribe_sensors(const SensorInputConfig& config, const std::string& qos);
+  /// qos: profile of odometry and scans. What the input complains of is told, once each; so is
+  /// odometry of another frame than the transform that is published has, as then nothing connects
+  /// the map to the robot. published_odometry_frame: empty where none is published.
+  void subscribe_sensors(const SensorInputConfig& config, const std::string& qos,
+                         const std::string& published_odometry_frame = "");
   /// For on_diagnose: what the input has to say.
   void diagnose_input(Health& health) const;
   /// As SensorInput's.
@@ -33,9 +36,11 @@ class SensorComponent : public Component {
 
  private:
   void take_observations();
+  void compare_frames(const nav_msgs::msg::Odometry& message, const std::string& topic);
   void tell_set_back();
   std::optional<SensorInput> input_;
   StampWatch stamps_;
+  std::string published_odometry_frame_;
   bool is_set_back_ = false;  ///< and no scan by the new clock has gone on
 };
 

@@ -10,6 +10,7 @@
 #include "components/convert/geometry_messages.hpp"
 #include "components/log/joined_scan.hpp"
 #include "components/log/odometry_clock.hpp"
+#include "core/scan/no_return.hpp"
 
 namespace strata::runtime {
 namespace {
@@ -19,19 +20,6 @@ constexpr std::size_t kMoreAtFirst = 10;
 constexpr const char* kHasStopped = "odometry has stopped on ";
 
 }  // namespace
-
-void SensorInput::warn(const std::string& sentence) {
-  if (told_.insert(sentence).second) warnings_.push_back(sentence);
-}
-
-std::vector<std::string> SensorInput::take_warnings() { return std::exchange(warnings_, {}); }
-
-void SensorInput::warn_not_finite(const std::string& topic,
-                                  const geometry_msgs::msg::TransformStamped& transform) {
-  ++bad_transforms_;
-  warn(topic + ": the transform of " + transform.child_frame_id() + " in " +
-       transform.header().frame_id() + " is not finite; it is passed over");
-}
 
 void SensorInput::add(const tf2_msgs::msg::TFMessage& transforms) {
   for (const auto& transform : transforms.transforms()) {
@@ -45,6 +33,8 @@ void SensorInput::add_moving(const tf2_msgs::msg::TFMessage& transforms) {
   for (const auto& transform : transforms.transforms()) {
     if (log::frame_name(transform.header().frame_id()) != frame) {
       if (!frames_.add_moving(transform)) warn_not_finite("/tf", transform);
+      const std::string other = log::frame_name(transform.header().frame_id());
+      if (log::names_odometry(other)) other_odometry_frame_ = other;
       continue;
     }
     if (has_odometry_topic_) continue;
@@ -113,7 +103,14 @@ void SensorInput::watch_clock(const Observation& observation) {
 }
 
 void SensorInput::add(const sensor_msgs::msg::LaserScan& scan, std::size_t topic) {
-  add_sensed(log::sensed(scan, config_.all_scan_topics()[topic]), topic);
+  const std::string name = config_.all_scan_topics()[topic];
+  log::SensedScan sensed = log::sensed(scan, name);
+  // In lockstep the player has asked the whole log.
+  if (waits_ && config_.max_range_m > 0.0) {
+    set_range_limit(sensed.scan, static_cast<float>(config_.max_range_m));
+  }
+  add_sensed(std::move(sensed), topic);
+  warn_once(name + " angles", log::doubt_angles(scan));
 }
 
 void SensorInput::add(const sensor_msgs::msg::PointCloud2& cloud, std::size_t topic) {
@@ -133,6 +130,8 @@ void SensorInput::add_sensed(log::SensedScan sensed, std::size_t topic) {
     by_old_clock_ = ready_.size();
     silence_.hear_odometry();  // it is waited for anew
     clock_.begin_anew();
+    gap_.begin_anew();
+    ahead_s_.reset();
     // Odometry by the old clock would answer for moments of long ago.
     const Stamp old = first + Duration::from_seconds(log::kMinSetBackS);
     if (topic_odometry_.reaches(old)) topic_odometry_.begin_anew();
@@ -188,7 +187,12 @@ void SensorInput::give_up(const WaitingScan& waiting) {
   const Source from = source();
   if (!has_mounting(waiting, from)) assumed_.insert(queue_.scanners()[waiting.scanner].frame);
   if (lacks_odometry(from)) {
-    give_up_odometry(without_odometry("no odometry comes on "));
+    const std::string& other = other_odometry_frame_;
+    give_up_odometry(without_odometry("no odometry comes on ") +
+                     (other.empty() ? ""
+                                    : ". /tf has " + other +
+                                          ": where that is this robot's, set "
+                                          "tf_odometry_frame and odometry_frame to it"));
   } else if (!has_odometry_for(waiting, from) &&
              silence_.has_lasted(config_.first_wait_s, queue_.back().stamp())) {
     // What is on /tf, and was passed over for it, counts from now on, by its own clock.
@@ -197,6 +201,8 @@ void SensorInput::give_up(const WaitingScan& waiting) {
     topic_odometry_ = {};
     moving_.clear();
     clock_.begin_anew();
+    gap_.begin_anew();
+    ahead_s_.reset();
     give_up_odometry(without_odometry(kHasStopped));
   }
 }
@@ -204,11 +210,6 @@ void SensorInput::give_up(const WaitingScan& waiting) {
 void SensorInput::give_up_odometry(const std::string& sentence) {
   is_without_odometry_ = true;
   warn(sentence);
-}
-
-std::string SensorInput::without_odometry(const std::string& what) const {
-  return what + config_.odometry_topic + (config_.tf_odometry_frame.empty() ? "" : " or /tf") +
-         "; scans go on without it";
 }
 
 std::vector<Observation> SensorInput::take() {
@@ -248,6 +249,7 @@ void SensorInput::release() {
   const std::optional<Pose3> found = frames_.mounting(frame, from.child);
   if (!found) warn(frames_.missing_mounting(frame, from.child));
   const Pose3 mounting = found.value_or(Pose3{});
+  if (!waiting.sensed.is_cloud) warn_once(frame + " tilt", log::doubt_mounting(frame, mounting));
   log::mount(waiting.sensed, mounting, config_.cloud);
   log::OdometryAt odometry;
   if (config_.use_odometry && from.odometry != nullptr && !from.odometry->track().empty()) {
@@ -259,7 +261,9 @@ void SensorInput::release() {
       const auto pose = nearest ? track.at(stamp, gap_s) : track.between_samples(stamp, gap_s);
       return pose ? std::optional(log::moved_by(*pose, child_from_robot)) : std::nullopt;
     };
-    if (!odometry(waiting.stamp())) {
+    const bool has_odometry = odometry(waiting.stamp()).has_value();
+    watch_gap(has_odometry, waiting.stamp(), *from.odometry);
+    if (!has_odometry) {
       if (waits_ && is_in_time) {
         ++passed_over_;
         return;
@@ -270,28 +274,6 @@ void SensorInput::release() {
   auto observation =
       log::join(std::move(waiting.sensed), odometry, {.reversed = is_upside_down(mounting)}, true);
   ready_.push_back(std::move(*observation));
-}
-
-void SensorInput::diagnose(Health& health) const {
-  const Source from = source();
-  for (const Scanner& scanner : queue_.scanners()) {
-    if (assumed_.count(scanner.frame) != 0 && !frames_.mounting(scanner.frame, from.child)) {
-      health.warn(frames_.missing_mounting(scanner.frame, from.child));
-    }
-    if (scanner.is_silent && !queue_.is_replaced(scanner)) {
-      health.warn(config_.all_scan_topics()[scanner.topic] + " is silent; the others go on");
-    }
-  }
-  if (is_without_odometry_ && (from.odometry == nullptr || from.odometry->track().empty())) {
-    health.warn("no odometry comes; scans go on without it");
-  }
-  if (lag_s_ != 0.0) health.add("taken off odometry's stamps [s]", lag_s_);
-  if (clock_.lag_s()) health.add("odometry's stamps are late by [s]", *clock_.lag_s());
-  health.add("scans without odometry near them", passed_over_);
-  health.add("scans that came too late", std::uint64_t{queue_.late()});
-  health.add("scans in ever new frames", of_new_frames_);
-  health.add("transforms that are not finite", bad_transforms_);
-  health.add("odometry that is not finite", bad_odometry_);
 }
 
 }  // namespace strata::runtime

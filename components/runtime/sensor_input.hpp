@@ -15,6 +15,7 @@
 #include "strata_idl/tf2_msgs.h"
 
 #include "components/log/robot_frames.hpp"
+#include "components/runtime/clock_gap.hpp"
 #include "components/runtime/diagnostics.hpp"
 #include "components/runtime/live_odometry.hpp"
 #include "components/runtime/odometry_clock_watch.hpp"
@@ -50,7 +51,7 @@ class SensorInput {
   void add_moving(const tf2_msgs::msg::TFMessage& transforms);
   void add(const nav_msgs::msg::Odometry& odometry);
   /// topic: its place in SensorInputConfig::all_scan_topics. Throws InputError, and forgets the
-  /// scan, when its angles or limits are not numbers.
+  /// scan, when its angles or limits are none (log::sensed).
   void add(const sensor_msgs::msg::LaserScan& scan, std::size_t topic = 0);
   /// topic: as above; those with clouds come after the others. Throws InputError for clouds
   /// that cannot be read.
@@ -84,6 +85,10 @@ class SensorInput {
   void warn_not_finite(const std::string& topic,
                        const geometry_msgs::msg::TransformStamped& transform);
   void warn(const std::string& sentence);
+  /// Whatever its numbers are now, a sentence of this kind is told once; an empty one never.
+  void warn_once(const std::string& kind, const std::string& sentence);
+  /// A scan goes on, or is left out, while odometry comes.
+  void watch_gap(bool has_odometry, Stamp scan, const LiveOdometry& odometry);
   [[nodiscard]] Source source() const;
   [[nodiscard]] bool has_odometry_for(const WaitingScan& waiting, const Source& source) const;
   [[nodiscard]] bool has_mounting(const WaitingScan& waiting, const Source& source) const;
@@ -106,6 +111,8 @@ class SensorInput {
   std::map<std::string, LiveOdometry> moving_;  ///< from /tf, by child of the odometry frame
   double lag_s_ = 0.0;                          ///< taken off odometry's stamps
   OdometryClockWatch clock_;
+  ClockGap gap_;
+  std::optional<double> ahead_s_;  ///< as gap_ has it
   OdometrySilence silence_;
   bool is_without_odometry_ = false;  ///< nobody published any when it was due, or it stopped
   std::set<std::string> assumed_;     ///< frames without a mounting when it was due
@@ -113,6 +120,7 @@ class SensorInput {
   std::optional<std::size_t> by_old_clock_;  ///< of those in ready_
   std::set<std::string> told_;
   std::vector<std::string> warnings_;
+  std::string other_odometry_frame_;  ///< of /tf, by its name; of other robots too
   std::uint64_t passed_over_ = 0;
   std::uint64_t of_new_frames_ = 0;  ///< scans that were left out
   std::uint64_t bad_transforms_ = 0;

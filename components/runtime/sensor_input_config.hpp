@@ -22,6 +22,7 @@ struct SensorInputConfig {
   double max_odometry_gap_s = 1.0;
   double odometry_lag_s = 0.0;
   bool correct_odometry_lag = true;
+  double max_range_m = 0.0;
   int max_waiting_scans = 20;
   double first_wait_s = 5.0;
   template <class Self, class V>
@@ -70,6 +71,13 @@ struct SensorInputConfig {
         "correct_odometry_lag", c.correct_odometry_lag,
         {.doc = "live: another lag that turns of the robot show twice is taken off instead, and "
                 "told; false: told only"});
+    v.field("max_range_m", c.max_range_m,
+            {.doc = "live: readings of scans from here on say that nothing came back, whatever "
+                    "range_max is; 0: from range_max on. For scanners that send a number of their "
+                    "own then, and a larger range_max; `strata info` of a recording finds it",
+             .unit = "m",
+             .min = 0.0,
+             .max = 1000.0});
     v.renamed("most_waiting_scans", "max_waiting_scans");
     v.field("max_waiting_scans", c.max_waiting_scans,
             {.doc = "a scan waits for odometry, mounting and older scans of other scanners until "

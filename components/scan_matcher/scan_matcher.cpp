@@ -27,7 +27,8 @@ void ScanMatcher::on_configure() {
   advertise_topics();
   subscribe<strata_msgs::msg::ScanPose>("given_pose", "default",
                                         [this](const auto& message) { given_ = message; });
-  subscribe_sensors(config_.input, config_.sensor_qos);
+  subscribe_sensors(config_.input, config_.sensor_qos,
+                    config_.publish_tf ? config_.odometry_frame : "");
   if (lockstep()) return;
   open_live_maps();
   open_store();

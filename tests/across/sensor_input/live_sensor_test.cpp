@@ -6,6 +6,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,6 +24,7 @@ namespace strata::runtime {
 namespace {
 
 using std::chrono::seconds;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -34,7 +37,7 @@ class Listener final : public SensorComponent {
   void on_declare() override { declare_parameters<SensorInputConfig>(); }
   void on_configure() override {
     publish_ = advertise<rosgraph_msgs::msg::Clock>("heard", "lossless");
-    subscribe_sensors(read_parameters<SensorInputConfig>(), "lossless");
+    subscribe_sensors(read_parameters<SensorInputConfig>(), "lossless", "odom");
   }
   void on_diagnose(Health& health) const override { diagnose_input(health); }
   void on_observation(const Observation& observation) override {
@@ -146,6 +149,31 @@ TEST(LiveSensor, TellsAMountingThatIsMissingOnceAndHearsEveryScanner) {
   }
   EXPECT_TRUE(test::comes_true(is_newest_heard));
   EXPECT_THAT(host->take_errors(), ElementsAre(HasSubstr("tf_static does not connect roof")));
+}
+
+TEST(LiveSensor, TellsOnceThatOdometryIsOfAnotherFrameThanTheMapsTransform) {
+  Registry registry;
+  registry.add<Listener>("test::Listener");
+  const auto participant = test::make_participant();
+  const auto host =
+      test::make_host("{type: test::Listener, name: ear}", registry, test::make_participant());
+  host->activate();
+  bus::Writer<nav_msgs::msg::Odometry> writer(participant, "/odom", bus::qos_profile("lossless"));
+  ASSERT_TRUE(writer.raw().wait_for_readers(1, seconds(20)));
+  std::vector<std::string> errors;
+  double now_s = 0.0;
+  const auto are_told = [&](const std::string& frame) {
+    nav_msgs::msg::Odometry message = test::odometry(now_s += 0.1, {});
+    message.header().frame_id(frame);
+    writer.publish(message);
+    for (std::string& error : host->take_errors()) errors.push_back(std::move(error));
+    return !errors.empty();
+  };
+  EXPECT_TRUE(test::comes_true([&] { return are_told("robot1/odom"); }));
+  for (int i = 0; i < 3; ++i) (void)are_told("robot1/odom");
+  EXPECT_THAT(errors, ElementsAre(AllOf(HasSubstr("/odom: is in the frame robot1/odom, and the "
+                                                  "map's transform is to odom"),
+                                        HasSubstr("set odometry_frame"))));
 }
 
 }  // namespace
