@@ -108,10 +108,11 @@ void for_each_point(const sensor_msgs::msg::PointCloud2& message, const Visit& v
   }
 }
 
-/// The time of a number of a field, after the cloud's stamp. Clocks count from 1970, a sweep takes
-/// seconds: there is no doubt which of them is meant.
+/// The time [s] of a number of a field, after the cloud's stamp. Clocks count from 1970, in seconds
+/// or, as Livox's, in nanoseconds; a sweep takes seconds: there is no doubt which of them is meant.
 double offset_of(double number, std::uint8_t type, Stamp stamp) {
   if (type == kUint32) return number * 1e-9;
+  if (std::abs(number) > 1e15) return (number - static_cast<double>(stamp.ns)) * 1e-9;
   return std::abs(number) > 1e6 ? number - stamp.seconds() : number;
 }
 

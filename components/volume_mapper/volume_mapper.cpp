@@ -12,6 +12,7 @@
 #include "components/log/kept_file.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
+#include "core/scan/undistort.hpp"
 #include "core/volume/level_tree.hpp"
 
 namespace strata::volume_mapper {
@@ -157,8 +158,11 @@ void VolumeMapper::on_cloud(const sensor_msgs::msg::PointCloud2& message) {
   if (config_.part_s > 0.0 && !waiting.cloud.points_m.empty()) {
     waiting.offset_s = std::move(columns.offset_s);
     float last_s = 0.0F;
-    for (const float offset_s : waiting.offset_s) {
-      if (std::isfinite(offset_s)) last_s = std::max(last_s, offset_s);
+    for (float& offset_s : waiting.offset_s) {
+      // A wild time is none; false for NaN.
+      const bool is_sound = std::abs(static_cast<double>(offset_s)) < kLongestSweepS;
+      if (!is_sound) offset_s = 0.0F;
+      last_s = std::max(last_s, offset_s);
     }
     waiting.last = waiting.cloud.stamp + Duration::from_seconds(static_cast<double>(last_s));
   }

@@ -60,7 +60,7 @@ std::string color_message_data(const VolumeMap& map, const ColorOf& color_of) {
 void read_color_file(const std::string& bytes, const std::string& place, double resolution_m,
                      const std::function<void(const VoxelKey&, const Rgb&)>& visit) {
   const OctomapFile file = open_octomap_file(bytes, place, "ColorOcTree");
-  if (file.is_binary || file.resolution_m != resolution_m) {
+  if (file.is_binary || !is_same_edge(file.resolution_m, resolution_m)) {
     throw InputError(place, "its voxels have no colours or other edges", "name another file");
   }
   if (file.data.empty()) return;

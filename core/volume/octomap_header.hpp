@@ -2,6 +2,7 @@
 /// The text before the nodes in OctoMap's files, and files opened with care.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <sstream>
 #include <string>
@@ -26,6 +27,10 @@ struct OctomapFile {
   double resolution_m = 0.0;
   std::string data;  ///< empty: a tree without nodes
 };
+/// Whether a file of voxels of edge_m is one of wanted_m: the header has six digits of it.
+[[nodiscard]] inline bool is_same_edge(double edge_m, double wanted_m) {
+  return std::abs(edge_m - wanted_m) <= 1e-5 * wanted_m;
+}
 /// kind: "OcTree" or "ColorOcTree". place: its name in errors. Throws InputError for a tree of
 /// another kind; DamageError or UnknownContentError for what is cut short, altered or no such file.
 [[nodiscard]] OctomapFile open_octomap_file(const std::string& bytes, const std::string& place,

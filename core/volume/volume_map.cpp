@@ -232,11 +232,11 @@ VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& plac
                                const std::optional<VolumeConfig>& wanted) {
   const OctomapFile file = open_octomap_file(bytes, place, "OcTree");
   VolumeConfig config = wanted.value_or(VolumeConfig{});
-  if (wanted && wanted->resolution_m != file.resolution_m) {
+  if (wanted && !is_same_edge(file.resolution_m, wanted->resolution_m)) {
     throw InputError(place, "its voxels have edges of " + std::to_string(file.resolution_m) + " m",
                      "set resolution_m to that, or name another file");
   }
-  config.resolution_m = file.resolution_m;
+  if (!wanted) config.resolution_m = file.resolution_m;
   VolumeMap map(config);
   if (file.data.empty()) return map;
   std::istringstream in(file.data, std::ios::binary);

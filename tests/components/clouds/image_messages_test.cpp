@@ -139,6 +139,9 @@ TEST(CloudMessages, TakeATimeThatOnlyFitsAClockForOne) {
   const double clock_s = 1.7e9 + 0.5;
   std::memcpy(message.data().data() + 12, &clock_s, 8);
   EXPECT_EQ(columns_of(message).offset_s, std::vector<float>{0.5F});
+  const double clock_ns = 1.7e18 + 5e7;  // as Livox's driver tells it
+  std::memcpy(message.data().data() + 12, &clock_ns, 8);
+  EXPECT_NEAR(columns_of(message).offset_s.at(0), 0.05, 1e-6);
 }
 
 }  // namespace

@@ -130,6 +130,8 @@ TEST(VolumeMapper, TakesPointsFromWhereEachWasMeasured) {
     points.push_back(p);
     offset_s.push_back(0.8F);
   }
+  offset_s[0] = 1e18F;  // wild: as if it had none
+  offset_s[1] = std::numeric_limits<float>::quiet_NaN();
   robot.see_over_time(1.0, points, offset_s);
   robot.move(1.5, 0.5);
   robot.move(2.0, 1.0);

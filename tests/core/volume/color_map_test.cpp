@@ -11,6 +11,7 @@
 #include <octomap/ColorOcTree.h>
 
 #include "core/base/error.hpp"
+#include "core/volume/point_colors.hpp"
 #include "core/volume/voxel_memory.hpp"
 
 namespace strata::volume {
@@ -173,6 +174,26 @@ TEST(VolumeMap, IsReadBackFromItsFiles) {
   EXPECT_THROW((void)VolumeMap::from_file("# Octomap OcTree file\nid ColorOcTree\ndata\n", "a"),
                InputError);
   EXPECT_THROW((void)VolumeMap::from_file("nonsense", "a"), InputError);
+}
+
+TEST(VolumeMap, IsReadBackWhereItsVoxelsHaveEdgesOfMoreDigitsThanAFile) {
+  VolumeConfig config;
+  config.resolution_m = 1.0 / 30.0;
+  Cloud cloud;
+  cloud.points_m = {{2.0F, 0.5F, 0.3F}};
+  cloud.colors = {{200, 100, 50}};
+  WorkerPool pool(1);
+  VolumeMap map(config);
+  map.insert(cloud, {}, pool);
+  const VolumeMap again = VolumeMap::from_file(map.full_file(), "a.ot", config);
+  EXPECT_EQ(again.config().resolution_m, config.resolution_m);
+  EXPECT_EQ(again.full_file(), map.full_file());
+  PointColors colors(config);
+  colors.add(cloud, {}, pool);
+  PointColors restored(config);
+  EXPECT_NO_THROW(restored.restore(colors.file(map), "a_color.ot"));
+  config.resolution_m = 0.0334;
+  EXPECT_THROW((void)VolumeMap::from_file(map.full_file(), "a.ot", config), InputError);
 }
 
 TEST(VolumeMap, OfNothingIsReadBackToo) {
