@@ -27,9 +27,9 @@ constexpr double kClearlyLess = 0.7;
 /// Loops of a map that contradicts itself may lie further apart than the drift that is expected.
 constexpr double kWider = 2.0;
 
-/// Cells in which ways agree, less those in which they contradict each other, against those of an
-/// earlier pass: what loops that were found for it have to add.
-constexpr double kClearlyMore = 1.03;
+/// Of the cells in which the ways of an earlier pass agree: how many more have to, less those that
+/// contradict, where loops that were found for it are to count by that alone.
+constexpr double kClearlyMore = 0.03;
 
 ClosureConfig wider(ClosureConfig closure) {
   closure.drift_m_per_m *= kWider;
@@ -94,8 +94,10 @@ void Slam::State::go_back(const EarlierPass& before, SlamResult& result, Progres
 }
 
 bool EarlierPass::is_outdone_by(const Consistency& now) const {
-  return !is_preferred_to(now) ||
-         now.agreement_cells() > kClearlyMore * consistency.agreement_cells();
+  const double more_cells = now.agreement_cells() - consistency.agreement_cells();
+  // Ways that were torn apart contradict each other in nothing.
+  if (!is_preferred_to(now) && more_cells >= 0.0) return true;
+  return more_cells > kClearlyMore * static_cast<double>(consistency.fitting_cells);
 }
 
 SlamResult Slam::track_anew(SlamResult result, const ClosureConfig& closure, Progress* progress) {
@@ -112,7 +114,7 @@ SlamResult Slam::track_anew(SlamResult result, const ClosureConfig& closure, Pro
 /// Where the map contradicts itself, loops are searched for as if poses drifted more.
 SlamResult Slam::finish_passes(Progress* progress) {
   SlamResult result = finish_usual_passes(progress);
-  const SlamConfig& config = state_->config;
+  const SlamConfig config = state_->config;  // track_anew makes another state
   const std::vector<bool>& moves = state_->moves;
   if (!config.em.track_again || !config.closure.enabled || state_->forgot ||
       std::find(moves.begin(), moves.end(), true) == moves.end()) {
@@ -123,9 +125,9 @@ SlamResult Slam::finish_passes(Progress* progress) {
   // What a folded map holds to be dynamic is no guide.
   for (PosedScan& scan : result.scans) scan.static_probability.clear();
   result = track_anew(std::move(result), wider(config.closure), progress);
-  if (!before.is_of(result)) return result;
-  const Consistency now = check_consistency(result.scans, state_->pool);
-  if (!before.is_outdone_by(now)) state_->go_back(before, result, progress);
+  if (before.is_outdone_by(check_consistency(result.scans, state_->pool))) return result;
+  if (!before.is_of(result)) return track_anew(std::move(result), config.closure, progress);
+  state_->go_back(before, result, progress);
   return result;
 }
 

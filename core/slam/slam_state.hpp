@@ -61,8 +61,9 @@ struct EarlierPass {
 
   /// Tracking again has to make the map consistent, or at least much more so.
   [[nodiscard]] bool is_preferred_to(const Consistency& now) const;
-  /// Loops that were found in a wider search have to do that, or to make ways agree in clearly more
-  /// cells: where poses were far off, much of what contradicts now was not compared before.
+  /// Loops that were found in a wider search have to do that without making ways agree in fewer
+  /// cells, or to make them agree in clearly more, those that contradict taken off: where poses
+  /// were far off, much of what contradicts now was not compared before.
   [[nodiscard]] bool is_outdone_by(const Consistency& now) const;
   /// Whether the result has the same scans.
   [[nodiscard]] bool is_of(const SlamResult& result) const;

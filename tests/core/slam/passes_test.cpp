@@ -27,9 +27,19 @@ EarlierPass pass_with(const Consistency& consistency) {
 
 TEST(Passes, AreOutdoneByOneThatContradictsItselfClearlyLess) {
   const EarlierPass before = pass_with(of(150, 10, 10000, 1000));
-  EXPECT_TRUE(before.is_outdone_by(of(150, 1, 9000, 1000)));
-  EXPECT_TRUE(before.is_outdone_by(of(150, 7, 9000, 1000)));
+  EXPECT_TRUE(before.is_outdone_by(of(150, 1, 10000, 1000)));
+  EXPECT_TRUE(before.is_outdone_by(of(150, 7, 10000, 1000)));
   EXPECT_FALSE(before.is_outdone_by(of(150, 8, 10000, 1000)));
+}
+
+TEST(Passes, AreNotOutdoneByOneThatTearsWaysApart) {
+  const EarlierPass before = pass_with(of(150, 10, 10000, 1000));
+  EXPECT_FALSE(before.is_outdone_by(of(40, 0, 3000, 50)));
+}
+
+TEST(Passes, ThatContradictThemselvesMoreThanTheyAgreeAreNotOutdoneByAWorseOne) {
+  const EarlierPass before = pass_with(of(150, 90, 1000, 2000));
+  EXPECT_FALSE(before.is_outdone_by(of(150, 90, 1000, 2020)));
 }
 
 // Where two ways lay 20 m apart nothing contradicted: they were not compared.
