@@ -181,33 +181,6 @@ TEST(SensorInput, AScannerThatComesBackUnderAnotherFrameIsNotSilent) {
   EXPECT_TRUE(is_silent());
 }
 
-TEST(SensorInput, ADriverThatCountsInItsFrameIsToldOnceAndTheOthersGoOn) {
-  SensorInputConfig config;
-  config.scan_topics = {"/front", "/rear"};
-  config.use_odometry = false;
-  SensorInput input(config, true);
-  input.add(link(0.0, "base_link", "rear", {}));
-  constexpr int kMost = static_cast<int>(ScanQueue::kMaxFrames);
-  std::vector<std::string> warnings;
-  int taken = 0;
-  for (int i = 0; i < 4 * kMost; ++i) {
-    const std::string frame = "laser_" + std::to_string(i);
-    input.add(link(0.0, "base_link", frame, {}));
-    input.add(scan(0.1 * i, frame), 0);
-    input.add(scan(0.1 * i + 0.05, "rear"), 1);
-    taken += static_cast<int>(input.take().size());
-    for (const std::string& warning : input.take_warnings()) warnings.push_back(warning);
-  }
-  EXPECT_THAT(warnings, testing::ElementsAre(testing::AllOf(
-                            testing::HasSubstr("/front: scans come in ever new frames"),
-                            testing::HasSubstr("frame_id"))));
-  EXPECT_GT(taken, 4 * kMost) << "those of the other topic go on, beside the first frames";
-  Health health;
-  input.diagnose(health);
-  EXPECT_THAT(health.values(), testing::Contains(std::pair<std::string, std::string>(
-                                   "scans in ever new frames", std::to_string(3 * kMost))));
-}
-
 // Each goes by a clock of its own: neither was set back.
 TEST(SensorInput, TwoScannersWhoseClocksDifferSetNoClockBack) {
   SensorInputConfig config;
