@@ -51,7 +51,7 @@ class SqliteBagReader : public BagReader {
       sqlite3_reset(fetch_.get());
       sqlite3_bind_int64(fetch_.get(), 1, row.id);
       if (sqlite3_step(fetch_.get()) != SQLITE_ROW) {
-        damage_.add(place(row.id) + sqlite3_errmsg(database_.get()));
+        damage_.add(place(row.id) + fault_of(database_.get()));
         continue;
       }
       const auto topic = places_.find(sqlite3_column_int64(fetch_.get(), 0));
@@ -76,8 +76,7 @@ class SqliteBagReader : public BagReader {
   };
 
   [[noreturn]] void refuse() const {
-    throw InputError(file_.string(),
-                     std::string("cannot be read as a bag: ") + sqlite3_errmsg(database_.get()),
+    throw InputError(file_.string(), "cannot be read as a bag: " + fault_of(database_.get()),
                      "check that it was copied whole, or repair it with `sqlite3 .recover`");
   }
   [[nodiscard]] std::string place(std::int64_t id) const {
@@ -149,7 +148,7 @@ class SqliteBagReader : public BagReader {
     if (code != SQLITE_DONE) {
       damage_.add(file_.string() + ": behind message " +
                   std::to_string(rows_.empty() ? 0 : rows_.back().id) + ": " +
-                  sqlite3_errmsg(database_.get()));
+                  fault_of(database_.get()));
       if (rows_.empty()) refuse();
     }
     std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) {

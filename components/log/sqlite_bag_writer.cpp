@@ -116,8 +116,7 @@ class SqliteBagFile : public BagWriter::File {
  private:
   using Clock = std::chrono::steady_clock;
   [[noreturn]] void fail() const {
-    throw OutputError(file_.string(),
-                      std::string("cannot be written: ") + sqlite3_errmsg(database_.get()),
+    throw OutputError(file_.string(), "cannot be written: " + fault_of(database_.get()),
                       "free some space or choose another place");
   }
   void define(const BagTopic& topic) {
