@@ -116,6 +116,8 @@ std::string fixed(double value, int digits) {
   return out.str();
 }
 
+std::string percent(double share, int digits) { return fixed(100.0 * share, digits) + "%"; }
+
 std::string escape(const std::string& text) {
   std::string result;
   for (const char c : text) {

@@ -55,6 +55,8 @@ void save_png(const LinePlot& plot, const std::filesystem::path& file);
 
 /// A number with so many digits after the point.
 [[nodiscard]] std::string fixed(double value, int digits);
+/// "12.5%" of a share from 0 to 1, with so many digits behind the point.
+[[nodiscard]] std::string percent(double share, int digits);
 
 /// The rules for .plot classes, shared by standalone SVG and the page.
 [[nodiscard]] std::string plot_style();

@@ -30,8 +30,6 @@ struct Side {
   maps::MapModel model;
 };
 
-std::string percent(double share) { return fixed(100.0 * share, 1) + "%"; }
-
 /// Looks at the maps by themselves: a map that is folded is so wherever it is compared.
 void check_fold(const std::filesystem::path& candidate, GateReport& report) {
   std::ifstream in(candidate / maps::kSummaryFile);
@@ -62,15 +60,16 @@ void check_frame(const ReflectionGrid& active, const ReflectionGrid& candidate,
   }
   const double area = known_share(active, candidate);
   report.checks.push_back({"area", "", area >= config.min_common_area,
-                           "knows " + percent(area) + " of what the active version knows (least " +
-                               percent(config.min_common_area) + ")"});
+                           "knows " + report::percent(area, 1) +
+                               " of what the active version knows (least " +
+                               report::percent(config.min_common_area, 1) + ")"});
   report.shift = map_shift(candidate, active);
   const MapShift& shift = *report.shift;
   const bool has_walls = shift.converged && shift.common_walls >= config.min_common_walls;
   report.checks.push_back({"walls", "", has_walls,
-                           percent(shift.common_walls) +
+                           report::percent(shift.common_walls, 1) +
                                " of the active version's walls lie on the candidate's (least " +
-                               percent(config.min_common_walls) + ")"});
+                               report::percent(config.min_common_walls, 1) + ")"});
   const bool is_there =
       shift.shift_m <= config.max_shift_m && shift.turn_rad <= config.max_turn_rad;
   report.checks.push_back({"frame", "", is_there,
@@ -165,7 +164,7 @@ void compare(const GateLog& log, const GateConfig& config, GateReport& report) {
                          const std::string& what, int digits) {
     const double worse = is_rise ? now - before : before - now;
     const auto text = [&](double value) {
-      return digits == 0 ? percent(value) : fixed(value, digits);
+      return digits == 0 ? report::percent(value, 1) : fixed(value, digits);
     };
     report.checks.push_back({name, log.log, worse <= room,
                              what + " " + text(now) + ", in the active version " + text(before)});
@@ -218,9 +217,10 @@ void drive_log(std::size_t number, const GateTask& task, const GateConfig& confi
     log.active = drive(*active, recording, start, task, config, progress).first;
     compare(log, config, report);
   } else {
-    report.checks.push_back({"fit", log.log, log.candidate.explained >= config.min_explained,
-                             "scans that fit the map: " + percent(log.candidate.explained) +
-                                 " (least " + percent(config.min_explained) + ")"});
+    report.checks.push_back(
+        {"fit", log.log, log.candidate.explained >= config.min_explained,
+         "scans that fit the map: " + report::percent(log.candidate.explained, 1) + " (least " +
+             report::percent(config.min_explained, 1) + ")"});
   }
   report.logs.push_back(std::move(log));
 }

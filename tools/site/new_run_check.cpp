@@ -17,8 +17,6 @@ namespace {
 /// finds its place makes the best of a map, as one whose poses are given does not.
 constexpr double kMaxLess = 0.1;
 
-std::string shown_percent(double share) { return report::fixed(100.0 * share, 1) + "%"; }
-
 }  // namespace
 
 std::vector<NewRun> judge_new_runs(const std::filesystem::path& candidate,
@@ -55,9 +53,10 @@ void check_new_runs(const std::vector<NewRun>& runs, const GateConfig& config, G
                                 : ", and no recording of another drive does as much: another "
                                   "building, a wrong place, or it was rebuilt since";
     report.checks.push_back({"new run", "", !is_much || others_too,
-                             shown_percent(run.contradicted) + " of the scans of its new run " +
-                                 std::to_string(run.run) + " contradict the active version (most " +
-                                 shown_percent(most) + ")" + why});
+                             report::percent(run.contradicted, 1) +
+                                 " of the scans of its new run " + std::to_string(run.run) +
+                                 " contradict the active version (most " +
+                                 report::percent(most, 1) + ")" + why});
   }
 }
 

@@ -23,8 +23,6 @@ std::optional<double> median_of_others(std::span<const RobotJudgement> robots, s
   return shares.size() % 2 == 1 ? shares[middle] : (shares[middle - 1] + shares[middle]) / 2.0;
 }
 
-std::string percent(double share) { return report::fixed(100.0 * share, 0) + "%"; }
-
 }  // namespace
 
 RobotJudgement measure_robot(const ReflectionGrid& map, const RobotVisits& robot) {
@@ -64,8 +62,9 @@ std::vector<RobotJudgement> judge_robots(const ReflectionGrid& map,
         robot.contradicted <= *robot.others + limits.max_above_others) {
       continue;
     }
-    robot.why = percent(robot.contradicted) + " of its scans contradict the active version, " +
-                percent(*robot.others) + " of the other robots'";
+    robot.why = report::percent(robot.contradicted, 0) +
+                " of its scans contradict the active version, " +
+                report::percent(*robot.others, 0) + " of the other robots'";
   }
   return judged;
 }

@@ -17,8 +17,6 @@ namespace {
 
 using report::fixed;
 
-std::string percent(double share) { return fixed(100.0 * share, 0) + "%"; }
-
 /// "x,y,degrees" of a place, as --near takes it.
 std::string place_text(const Pose2& pose) {
   return fixed(pose.x, 2) + "," + fixed(pose.y, 2) + "," + fixed(radians_to_degrees(pose.theta), 1);
@@ -53,8 +51,8 @@ std::string words_of(const site::FloorPlan& plan) {
     text += ", " + fixed(std::abs(off), 1) + "% " + (off > 0.0 ? "larger" : "smaller") +
             " than its scale says";
   }
-  return text + "; it has " + percent(plan.fit->map_share) +
-         " of the map's walls, and the map has " + percent(plan.fit->plan_share) +
+  return text + "; it has " + report::percent(plan.fit->map_share, 0) +
+         " of the map's walls, and the map has " + report::percent(plan.fit->plan_share, 0) +
          " of its walls that were looked at";
 }
 
@@ -113,9 +111,9 @@ void require_one_place(const plan::PlanRegistration& found, const std::string& f
       }
       throw InputError(file,
                        "fits the map nowhere; best at " + place_text(best.site_from_plan.pose) +
-                           ", where it has " + percent(best.map_share) +
-                           " of the map's walls, and the map " + percent(best.plan_share) +
-                           " of its own",
+                           ", where it has " + report::percent(best.map_share, 0) +
+                           " of the map's walls, and the map " +
+                           report::percent(best.plan_share, 0) + " of its own",
                        "check that it is this floor, and its scale");
     case plan::PlanVerdict::kWrongScale:
       throw InputError(file,

@@ -112,8 +112,6 @@ double way_m(const std::vector<log::StampedPose>& trajectory) {
   return length_m;
 }
 
-std::string percent(double share) { return report::fixed(100.0 * share, 0) + "%"; }
-
 std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFit& fit,
                      const nlohmann::json& metrics, const LocalizeOptions& options) {
   using report::fixed;
@@ -122,7 +120,7 @@ std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFi
       fixed(way_m(run.trajectory), 1) + " m in " + fixed(metrics["cost"]["wall_s"], 1) + " s; " +
       (fit.scans.empty()
            ? "none of them says where it is"
-           : "the maps explain " + percent(fit.share(pipeline::FitState::kExplained)) +
+           : "the maps explain " + report::percent(fit.share(pipeline::FitState::kExplained), 0) +
                  " of the drive, at a score of " + fixed(metrics["score"]["mean"], 2) +
                  " in the mean");
   if (!metrics["error_m"].is_null()) {
