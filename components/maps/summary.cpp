@@ -58,6 +58,7 @@ json summarize(const slam::Consistency& consistency) {
   return {{"consistent", consistency.consistent},
           {"compared", consistency.compared},
           {"contradicting", consistency.contradicting},
+          {"runs_against_others", consistency.against_others},
           {"places", places}};
 }
 

@@ -14,7 +14,8 @@
 namespace strata::maps {
 
 /// {"scans", "duration_s", "path_m", "runs", "skipped_scans", "consistency": {"consistent",
-/// "compared", "contradicting", "places": [{"x", "y", "why"}]} (core/slam/consistency.hpp),
+/// "compared", "contradicting", "runs_against_others", "places": [{"x", "y", "why"}]}
+/// (core/slam/consistency.hpp),
 /// "drop_outs": {"judged", "dropped", "returned", "free_range_m"} (core/scan/drop_outs.hpp),
 /// "sharpness": {...} of the map of all beams (core/grid/map_sharpness.hpp), "em": {...}}.
 /// duration_s adds up the runs; path_m adds steps of at least 0.1 m, so that the jitter of a

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -34,6 +35,9 @@ constexpr double kMaxShare = 0.4;
 /// So many pairs, and so large a share of all: one alone may be a room that was refurnished.
 constexpr std::size_t kMinContradicting = 2;
 constexpr double kMinContradictingShare = 0.01;
+/// ... and of the pairs of one run with others, for that run alone to be held to contradict them.
+constexpr std::size_t kMinContradictingOfRun = 4;
+constexpr double kMinContradictingShareOfRun = 0.1;
 constexpr double kOnePlaceM = 5.0;
 
 struct Stretch {
@@ -175,6 +179,40 @@ ComparedStretches told(const Tally& tally, const PosedScan& first, const PosedSc
   return pair;
 }
 
+/// In ascending order. Where a run contradicts so much that the others do, too, by it, it alone is
+/// named: the one with the greatest share comes first and its pairs are counted no more.
+std::vector<int> runs_against_others(std::vector<ComparedStretches> pairs) {
+  std::erase_if(pairs, [](const auto& pair) { return pair.first_run == pair.second_run; });
+  std::vector<int> found;
+  while (true) {
+    std::map<int, std::pair<std::size_t, std::size_t>> of_run;  // contradicting, compared
+    for (const ComparedStretches& pair : pairs) {
+      for (const int run : {pair.first_run, pair.second_run}) {
+        of_run[run].first += pair.share > kMaxShare ? 1 : 0;
+        ++of_run[run].second;
+      }
+    }
+    const auto share = [](const auto& counts) {
+      return static_cast<double>(counts.first) / static_cast<double>(counts.second);
+    };
+    const auto worst =
+        std::max_element(of_run.begin(), of_run.end(), [&](const auto& a, const auto& b) {
+          return share(a.second) <= share(b.second);  // of two alike the later run
+        });
+    if (worst == of_run.end() || worst->second.first < kMinContradictingOfRun ||
+        share(worst->second) < kMinContradictingShareOfRun) {
+      break;
+    }
+    const int run = worst->first;
+    found.push_back(run);
+    std::erase_if(pairs, [&](const ComparedStretches& pair) {
+      return pair.first_run == run || pair.second_run == run;
+    });
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 }  // namespace
 
 std::vector<ComparedStretches> compare_stretches(std::span<const PosedScan> scans,
@@ -217,11 +255,13 @@ Consistency check_consistency(std::span<const PosedScan> scans, WorkerPool& pool
     result.contradicting_cells += against;
     result.fitting_cells += pair.cells - against;
   }
+  result.against_others = runs_against_others(pairs);
   std::erase_if(pairs, [](const ComparedStretches& pair) { return pair.share <= kMaxShare; });
   result.contradicting = pairs.size();
-  result.consistent = pairs.size() < kMinContradicting ||
-                      static_cast<double>(pairs.size()) <
-                          kMinContradictingShare * static_cast<double>(result.compared);
+  const bool are_few = pairs.size() < kMinContradicting ||
+                       static_cast<double>(pairs.size()) <
+                           kMinContradictingShare * static_cast<double>(result.compared);
+  result.consistent = are_few && result.against_others.empty();
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const auto& a, const auto& b) { return a.share > b.share; });
   for (const ComparedStretches& pair : pairs) {

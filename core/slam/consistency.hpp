@@ -29,7 +29,10 @@ struct Consistency {
   std::size_t contradicting = 0;  ///< of those
   std::size_t fitting_cells = 0;  ///< with a surface by one of a pair, and near one by the other
   std::size_t contradicting_cells = 0;  ///< ... and free by the other
-  /// Of those the worst first; of several within 5 m the worst alone.
+  /// Runs that contradict the others by themselves: of many runs one that was put into the map
+  /// wrongly is too few pairs to be seen among all.
+  std::vector<int> against_others;
+  /// Of those that contradict the worst first; of several within 5 m the worst alone.
   std::vector<ComparedStretches> places;
 
   /// How much of what was seen on several ways agrees, less what contradicts [cells].

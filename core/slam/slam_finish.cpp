@@ -104,6 +104,12 @@ std::string inconsistent(const Consistency& consistency) {
        << "): " << std::setprecision(0) << 100.0 * worst.share
        << "% of the surfaces that one of two ways there saw are free by the other; it is folded or "
           "bent there, and not to be trusted";
+  for (const int run : consistency.against_others) {
+    text << (run == consistency.against_others.front()
+                 ? "; by themselves contradict the others: run "
+                 : ", run ")
+         << run;
+  }
   return text.str();
 }
 

@@ -92,6 +92,28 @@ TEST(Consistency, CountsTheCellsInWhichWaysAgreeAndContradict) {
   EXPECT_EQ(good.fitting_cells + good.contradicting_cells, cells);
 }
 
+TEST(Consistency, DoesNotHoldWhereOneOfManyRunsContradictsTheOthers) {
+  std::vector<PosedScan> scans;
+  const auto add_run = [&](int run, const Pose2& off) {
+    std::vector<PosedScan> pass = there_and_back({});
+    pass.resize(180);
+    for (PosedScan& scan : pass) {
+      scan.run = run;
+      scan.map_from_robot = off * scan.map_from_robot;
+      scans.push_back(std::move(scan));
+    }
+  };
+  for (int run = 0; run < 30; ++run) add_run(run, {});
+  EXPECT_TRUE(checked(scans, 2).against_others.empty());
+  add_run(30, {0.0, 0.0, 0.012});
+  for (int run = 31; run < 40; ++run) add_run(run, {});
+  const Consistency found = checked(scans, 2);
+  EXPECT_EQ(found.against_others, std::vector<int>{30});
+  EXPECT_FALSE(found.consistent);
+  // Of all pairs these are too few to be seen.
+  EXPECT_LT(static_cast<double>(found.contradicting), 0.01 * static_cast<double>(found.compared));
+}
+
 TEST(Consistency, NamesThePlaceAndBothMoments) {
   // The way back is right but for its last third.
   std::vector<PosedScan> scans = there_and_back({});
