@@ -110,12 +110,14 @@ void LocalMapGraph::search_closures(std::size_t index) {
     double window_m;
     double window_rad;
   };
+  const bool settled = is_settled(index);
   const std::vector<double> lengths = path_lengths(index);
   const Eigen::Vector2d center = graph_.pose(index) * local_maps_[index].center_m;
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < index; ++i) {
     const bool shares = local_maps_[i].run == local_maps_[index].run && index - i <= kSharedScans;
     if (shares || !located_[i] || local_maps_[i].points.empty()) continue;
+    if (settled && is_settled(i)) continue;
     double length_m = lengths[i];
     if (given_[i] && given_[index]) length_m = std::min(length_m, 10.0);
     const double window_m =
@@ -157,10 +159,12 @@ void LocalMapGraph::tighten(int rounds, Progress* progress) {
     pool_.for_chunks(size(), 1, [&](std::size_t begin, std::size_t, std::size_t) {
       const std::size_t a = begin;
       if (!located_[a] || local_maps_[a].points.empty()) return;
+      const bool settled = is_settled(a);
       std::vector<std::pair<double, std::size_t>> partners;
       for (std::size_t b = a + 1; b < size(); ++b) {
         const bool shares = local_maps_[a].run == local_maps_[b].run && b - a <= kSharedScans;
         if (shares || !located_[b] || local_maps_[b].points.empty()) continue;
+        if (settled && is_settled(b)) continue;
         const Eigen::Vector2d apart =
             graph_.pose(a) * local_maps_[a].center_m - graph_.pose(b) * local_maps_[b].center_m;
         const bool held = given_[a] && given_[b];

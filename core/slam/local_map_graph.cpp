@@ -17,6 +17,8 @@ namespace {
 
 /// A closure whose squared error stays above this (3 degrees of freedom) is wrong.
 constexpr double kWrongClosure = 50.0;
+/// A given pose of this share of a closure's uncertainty is not moved by one.
+constexpr double kSettledShare = 0.25;
 /// Closures count as this much path, so that places closed once are searched narrowly later.
 constexpr double kClosurePathM = 0.5;
 
@@ -111,6 +113,15 @@ Agreement LocalMapGraph::agreement(std::size_t a, std::size_t b, const Pose2& a_
                         });
 }
 
+bool LocalMapGraph::is_settled(std::size_t index) const {
+  if (!given_[index]) return false;
+  const Eigen::Matrix3d& covariance = given_[index]->covariance;
+  const double stddev_m = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+  return stddev_m <= kSettledShare * config_.stddev_m &&
+         std::sqrt(covariance(2, 2)) <= kSettledShare * config_.stddev_rad;
+}
+
+/// Those that are settled lie in one frame: from one to any other is as near as a closure.
 std::vector<double> LocalMapGraph::path_lengths(std::size_t from) const {
   std::vector<std::vector<std::pair<std::size_t, double>>> links(local_maps_.size());
   for (std::size_t i = 0; i < graph_.edges().size(); ++i) {
@@ -126,14 +137,21 @@ std::vector<double> LocalMapGraph::path_lengths(std::size_t from) const {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   lengths[from] = 0.0;
   open.emplace(0.0, from);
+  const auto reach = [&](std::size_t node, double length) {
+    if (length >= lengths[node]) return;
+    lengths[node] = length;
+    open.emplace(length, node);
+  };
+  bool reached_settled = false;
   while (!open.empty()) {
     const auto [length, node] = open.top();
     open.pop();
     if (length > lengths[node]) continue;
-    for (const auto& [next, more] : links[node]) {
-      if (length + more >= lengths[next]) continue;
-      lengths[next] = length + more;
-      open.emplace(lengths[next], next);
+    for (const auto& [next, more] : links[node]) reach(next, length + more);
+    if (reached_settled || !is_settled(node)) continue;
+    reached_settled = true;
+    for (std::size_t i = 0; i < local_maps_.size(); ++i) {
+      if (is_settled(i)) reach(i, length + kClosurePathM);
     }
   }
   return lengths;

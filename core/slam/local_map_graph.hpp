@@ -91,6 +91,8 @@ class LocalMapGraph {
   [[nodiscard]] Agreement agreement(std::size_t a, std::size_t b, const Pose2& a_from_b) const;
   [[nodiscard]] bool run_fits_map(std::size_t first, std::size_t last) const;
   [[nodiscard]] std::vector<double> path_lengths(std::size_t from) const;
+  /// Whether a closure could not move it: its pose was given more surely than any closure is.
+  [[nodiscard]] bool is_settled(std::size_t index) const;
   [[nodiscard]] std::optional<Closure> try_closure(std::size_t a, std::size_t b, const Pose2& guess,
                                                    double window_m, double window_rad);
   [[nodiscard]] std::optional<Closure> refine(const registration::MatchField& field, std::size_t a,
