@@ -11,6 +11,11 @@ namespace {
 
 constexpr std::size_t kProgressStride = 256;
 
+/// Longer than so many periods of its scans a sequence is not without one that follows ...
+constexpr double kHolePeriods = 3.0;
+/// ... nor longer than this: thinned logs have a scan each 10 s of a robot that stands.
+constexpr double kMaxHole_s = 10.5;
+
 int touching_beams(const std::vector<Ray>& rays, const CellRect& rect, double resolution_m,
                    int enough) {
   int count = 0;
@@ -33,8 +38,17 @@ double distance_m(const Eigen::Vector2d& point_m, const CellRect& rect, double r
   return std::hypot(dx, dy);
 }
 
-bool SequenceBuilder::must_close(int run, Stamp stamp) const {
-  return run != run_ || (stamp - last_).seconds() > config_->hysteresis_s ||
+double SequenceBuilder::longest_pause_s(bool is_next) const {
+  if (!is_next) return config_->hysteresis_s;
+  const auto steps = static_cast<double>(open_.scans.size()) - 1.0;
+  const double hole_s =
+      steps > 0.0 ? std::min(kMaxHole_s, kHolePeriods * (last_ - first_).seconds() / steps)
+                  : kMaxHole_s;
+  return std::max(config_->hysteresis_s, hole_s);
+}
+
+bool SequenceBuilder::must_close(int run, Stamp stamp, bool is_next) const {
+  return run != run_ || (stamp - last_).seconds() > longest_pause_s(is_next) ||
          (stamp - first_).seconds() > config_->max_duration_s;
 }
 
@@ -48,12 +62,15 @@ std::optional<Sequence> SequenceBuilder::finish() {
 }
 
 std::optional<Sequence> SequenceBuilder::pass(int run, Stamp stamp) {
-  if (open_.scans.empty() || !must_close(run, stamp)) return std::nullopt;
+  if (open_.scans.empty() || !must_close(run, stamp, false)) return std::nullopt;
   return finish();
 }
 
 std::optional<Sequence> SequenceBuilder::take(std::uint32_t scan, int run, Stamp stamp) {
-  std::optional<Sequence> ended = pass(run, stamp);
+  std::optional<Sequence> ended;
+  if (!open_.scans.empty() && must_close(run, stamp, scan == open_.scans.back() + 1)) {
+    ended = finish();
+  }
   if (open_.scans.empty()) first_ = stamp;
   open_.scans.push_back(scan);
   run_ = run;

@@ -67,7 +67,9 @@ struct Sequence {
   std::vector<std::uint32_t> scans;
 };
 
-/// Cuts the scans that belong to one sub-map into sequences while they come. O(1) a call.
+/// Cuts the scans that belong to one sub-map into sequences while they come. Between two scans of
+/// a slow scanner nobody left: those that follow each other may be three periods apart, so that
+/// logs of which scans were left out have sequences, too. O(1) a call.
 class SequenceBuilder {
  public:
   explicit SequenceBuilder(const SequenceConfig& config) : config_(&config) {}
@@ -92,7 +94,8 @@ class SequenceBuilder {
   }
 
  private:
-  [[nodiscard]] bool must_close(int run, Stamp stamp) const;
+  [[nodiscard]] double longest_pause_s(bool is_next) const;
+  [[nodiscard]] bool must_close(int run, Stamp stamp, bool is_next) const;
 
   const SequenceConfig* config_;
   Sequence open_;

@@ -82,6 +82,29 @@ TEST(Sequences, EndWithTheRunAndAtPauses) {
   for (const Sequence& s : sequences[0]) EXPECT_EQ(s.scans.size(), 20U);
 }
 
+TEST(Sequences, OfASlowScannerOutliveItsPeriod) {
+  const std::vector<CellRect> rects{kBeside};
+  for (const double period_s : {1.5, 4.0, 10.0}) {
+    SequenceConfig config;
+    config.max_duration_s = 60.0;
+    const auto scans = standing(60.0, period_s);
+    const auto found = find_sequences(scans, rects, kSequenceCell_m, config, {});
+    ASSERT_EQ(found[0].size(), 1U) << period_s;
+    EXPECT_EQ(found[0].front().scans.size(), scans.size());
+  }
+  // A hole of many periods is one all the same.
+  auto scans = standing(12.0, 1.5);
+  for (PosedScan& scan : standing(12.0, 1.5)) {
+    scan.scan.stamp = scan.scan.stamp + Duration::from_seconds(17.0);
+    scans.push_back(scan);
+  }
+  EXPECT_EQ(find_sequences(scans, rects, kSequenceCell_m, {}, {})[0].size(), 2U);
+  // So is leaving: a scan in between that does not see the place.
+  scans = standing(24.0, 1.5);
+  scans[8].map_from_robot = {500.0, 0.0, 0.0};
+  EXPECT_EQ(find_sequences(scans, rects, kSequenceCell_m, {}, {})[0].size(), 2U);
+}
+
 TEST(Sequences, ShortOnesAreDropped) {
   const auto scans = standing(0.7, 0.2);
   ASSERT_EQ(scans.size(), 4U);
