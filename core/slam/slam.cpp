@@ -183,7 +183,7 @@ Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* give
     if (is_repeated(observation.scan, last)) skip = LogChecks::Skip::kRepeated;
   }
   if (skip) {
-    checks.skip(*skip);
+    if (!placed) checks.skip(*skip);
     if (records.empty()) return {};
     return {records.back().posed.map_from_robot, Eigen::Matrix3d::Identity()};
   }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/tools/strata/program.hpp"
@@ -109,6 +110,7 @@ TEST_F(SiteMerge, LearnsARegionOfNewLogsAloneAndAnew) {
   EXPECT_EQ(maps::read_maps(at("only")).patches->submaps.size(), 1U);
   EXPECT_EQ(maps::read_maps(at("anew")).patches->submaps.size(), 0U) << "only ever seen open";
   for (const char* name : {"only", "anew"}) {
+    EXPECT_EQ(maps::read_earlier_runs(at(name)).next_run, 2) << name << ": the new run has a place";
     const ReflectionGrid now = maps::read_maps(at(name)).filtered.cropped(before.filtered.rect());
     const auto expected = west_of(before.filtered);
     const auto got = west_of(now);
