@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -17,7 +16,6 @@
 #include "components/maps/summary.hpp"
 #include "components/settings/settings.hpp"
 #include "components/site/learn_limits.hpp"
-#include "components/site/map_version.hpp"
 #include "components/site/zones.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/cost.hpp"
@@ -27,12 +25,14 @@
 #include "tools/pipeline/truth_frame.hpp"
 #include "tools/report/drawings.hpp"
 #include "tools/report/plot.hpp"
+#include "tools/strata/learn_guard.hpp"
 #include "tools/strata/learned_folder.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/terminal_picture.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
@@ -137,31 +137,6 @@ pipeline::LearnWithin limits_of(const LearnOptions& options, const maps::LearnCo
   return within;
 }
 
-/// Runs of the folder that neither go on in what is learned nor are learned again would be lost:
-/// visits that nobody has pushed, say.
-void require_no_lost_runs(const LearnOptions& options, const maps::EarlierRuns& base,
-                          const std::vector<Observation>& seen, const VerbContext& context) {
-  if (context.options.force || runs_in(options.out) == 0 || updates_in_place(options)) return;
-  std::optional<maps::EarlierRuns> there;
-  try {
-    there = maps::read_earlier_runs(options.out);
-  } catch (const InputError&) {
-    return;  // nothing that could be gone on from
-  }
-  std::set<Stamp> learned;
-  for (const Observation& one : seen) learned.insert(one.scan.stamp);
-  for (const std::vector<PosedScan>& run : maps::new_runs(std::move(*there), base)) {
-    const Stamp begin = run.front().scan.stamp;
-    if (learned.contains(begin) && learned.contains(run.back().scan.stamp)) continue;
-    throw OutputError(options.out,
-                      "holds run " + std::to_string(run.front().run) + ", which began at " +
-                          site::utc_text(begin.ns) + " and which neither " + options.update +
-                          " nor these logs have",
-                      "choose another --out, go on from it with --update " + options.out +
-                          ", or give --force to lose it");
-  }
-}
-
 std::string joined(const std::vector<std::string>& texts) {
   std::string all;
   for (const std::string& text : texts) all += (all.empty() ? "" : " ") + text;
@@ -203,24 +178,38 @@ void run_learn(const LearnOptions& options, VerbContext& context) {
   const int first_run = earlier ? earlier->next_run : 0;
   const std::size_t earlier_runs = earlier ? runs_in(options.update) : 0;
   require_no_more_runs(options.out, earlier_runs + options.input.logs.size(), context);
-  const pipeline::Runs runs =
+  const bool guards = earlier && !context.options.force;
+  if (guards) require_no_lost_parts(options.out, parts);
+  pipeline::Runs runs =
       pipeline::read_runs(with_config(options.input, log_config), context.progress(), first_run);
   note_reports(context, runs);
-  if (earlier) require_no_lost_runs(options, *earlier, runs.observations, context);
+  if (guards && !updates_in_place(options)) {
+    require_no_lost_runs(options.out, options.update, *earlier, runs.observations);
+  }
+  std::vector<std::string> logs = options.input.logs;
+  if (guards) logs = leave_out_repeated(runs, logs, first_run, *earlier, context);
+  if (logs.empty() && updates_in_place(options)) {
+    context.note("nothing new: " + options.out + " stays as it is");
+    return;
+  }
   const pipeline::LearnResult result = pipeline::learn_within(
       limits, runs.observations, runs.poses, config, parts, context.options.seed,
       context.options.threads, context.progress(), earlier ? &*earlier : nullptr);
+  if (guards) require_a_place(result.slam, options.update, first_run);
   for (const std::string& warning : result.slam.warnings) context.note("warning: " + warning);
+  nlohmann::json said = maps::summarize_reading(runs.reports);
+  said["warnings"] = result.slam.warnings;
+  said["unplaced"] = nlohmann::json::array();
   for (const int run : result.slam.unplaced_runs) {
-    context.note("run " + std::to_string(run) + " could not be placed in the map of the first: " +
-                 options.input.logs[static_cast<std::size_t>(run - first_run)] +
-                 " was left out; give --poses");
+    const std::string& log = options.input.logs[static_cast<std::size_t>(run - first_run)];
+    said["unplaced"].push_back(log);
+    warn(context, "run " + std::to_string(run) + " could not be placed in the map of the first: " +
+                      log + " was left out; give --poses");
   }
   // The frame of the truth is that of the first truth given: later ones are in it too.
   const auto frame = earlier && earlier->map_from_truth
                          ? earlier->map_from_truth
                          : pipeline::map_from_truth(runs, poses_of(result.slam));
-  std::vector<std::string> logs = options.input.logs;
   if (earlier) logs.insert(logs.begin(), earlier->log);
   const auto draw_more = [&](const std::filesystem::path& maps, report::Drawings& drawings) {
     if (!options.pictures) return;
@@ -228,11 +217,11 @@ void run_learn(const LearnOptions& options, VerbContext& context) {
       pipeline::write_learn_pictures(maps / "pictures", result.slam, config.slam.beam_filter);
     });
   };
-  const nlohmann::json summary = write_learned(
-      out, result, parts,
-      {joined(logs), frame, &meter, earlier ? earlier->thinned : std::vector<maps::ThinnedRun>(),
-       maps::summarize_reading(runs.reports)},
-      context, draw_more);
+  const nlohmann::json summary =
+      write_learned(out, result, parts,
+                    {joined(logs), frame, &meter,
+                     earlier ? earlier->thinned : std::vector<maps::ThinnedRun>(), said},
+                    context, draw_more);
   if (context.options.quiet) return;
   show_map(result.slam.filtered, ways_of(result.slam), context);
   context.clear_progress();

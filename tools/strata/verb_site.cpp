@@ -21,8 +21,6 @@
 namespace strata::tools {
 namespace {
 
-using nlohmann::json;
-
 void init(const SiteOptions& options, VerbContext& context) {
   const site::Site site =
       site::Site::create(options.folder, options.id, options.frame, actor(options));
@@ -35,7 +33,7 @@ void init(const SiteOptions& options, VerbContext& context) {
 void add(const SiteOptions& options, VerbContext& context) {
   site::Site site = open_site(options, context);
   const site::Site::Added added = site.add(options.maps, actor(options), options.note);
-  json as_json = json_of(added.status);
+  nlohmann::json as_json = json_of(added.status);
   as_json["is_new"] = added.is_new;
   answer(options, context,
          added.is_new ? "added version " + name_of(added.status) + " as a candidate"
@@ -66,8 +64,8 @@ void list(const SiteOptions& options, VerbContext& context) {
 void switched(const SiteOptions& options, VerbContext& context, const site::Site& site,
               const site::Switch& made) {
   const site::VersionStatus now = site.find(made.to);
-  json as_json = json_of(now);
-  as_json["from"] = made.from.empty() ? json(nullptr) : json(made.from);
+  nlohmann::json as_json = json_of(now);
+  as_json["from"] = made.from.empty() ? nlohmann::json(nullptr) : nlohmann::json(made.from);
   answer(options, context,
          made.from == made.to ? "version " + name_of(now) + " is active already"
                               : "version " + name_of(now) + " is active",
@@ -93,13 +91,14 @@ void keep(const SiteOptions& options, VerbContext& context) {
   (void)pipeline::read_runs(input, context.progress());  // the gate must be able to read it
   const auto gone = site.keep(options.log, options.truth,
                               static_cast<std::uint64_t>(options.max_mb * 1e6), actor(options));
-  json as_json = json::array();
+  nlohmann::json as_json = nlohmann::json::array();
   std::uint64_t bytes = 0;
   const auto kept = site.recordings();
   for (const site::KeptRecording& one : kept) {
     bytes += one.bytes;
     as_json.push_back({{"log", one.log.string()},
-                       {"truth", one.truth.empty() ? json(nullptr) : json(one.truth.string())},
+                       {"truth", one.truth.empty() ? nlohmann::json(nullptr)
+                                                   : nlohmann::json(one.truth.string())},
                        {"bytes", one.bytes}});
   }
   answer(options, context,
@@ -112,7 +111,7 @@ void keep(const SiteOptions& options, VerbContext& context) {
 void collect(const SiteOptions& options, VerbContext& context) {
   site::Site site = open_site(options, context);
   const auto gone = site.remove_rubbish(options.rubbish, actor(options));
-  json as_json = json::array();
+  nlohmann::json as_json = nlohmann::json::array();
   std::string names;
   for (const site::VersionStatus& one : gone) {
     as_json.push_back(json_of(one));

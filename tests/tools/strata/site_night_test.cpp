@@ -108,7 +108,5 @@ TEST_F(SiteVerbAtNight, TakesNothingInThePlaceOfAVersionThatWasNotComparedWith) 
   EXPECT_EQ(ask("list")[2]["state"], "candidate");
 }
 
-/// Drawn by one person, changed by the program, written as a mask for nav2 and taken from it.
-
 }  // namespace
 }  // namespace strata::tools
