@@ -18,7 +18,7 @@ struct OdometryStep {
     kFirst,    ///< of the run: there is no way behind it, with a reading or without
     kMissing,  ///< no reading, or one that is not finite: the next reading may tell
     kUntold,   ///< the first reading after a way that none tells
-    kJumped,   ///< further than a robot can come: odometry was reset, and the way is not told
+    kJumped,   ///< further than a robot can come, or back to zero: it was reset, the way is untold
   };
   Kind kind = Kind::kFirst;
   Pose2 motion;  ///< before_from_now; identity unless told

@@ -2,6 +2,7 @@
 #include "core/geometry/odometry_gate.hpp"
 
 #include <limits>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -93,6 +94,28 @@ TEST(OdometryGate, RefusesJumpsAndTurnsThatNoRobotMakesAndGoesOnFromThere) {
   const Pose2 slowly{2.0, 0.0, 2.5};
   (void)gate.pass(at(0.0), &a);
   EXPECT_EQ(gate.pass(at(1.0), &slowly).kind, Kind::kTold);
+}
+
+TEST(OdometryGate, DoesNotTakeABaseThatWasSwitchedOnAgainForADrive) {
+  const Pose2 before{12.0, 3.0, 1.2};
+  const Pose2 zero{0.001, 0.0, 0.0};
+  const Pose2 next{0.101, 0.0, 0.0};
+  OdometryGate gate;
+  (void)gate.pass(at(0.0), &before);
+  EXPECT_EQ(gate.pass(at(20.0), &zero).kind, Kind::kJumped);
+  const OdometryStep told = gate.pass(at(20.2), &next);
+  EXPECT_EQ(told.kind, Kind::kTold);
+  EXPECT_NEAR(told.motion.x, 0.1, 1e-12);
+
+  // Who drives home is believed: scan by scan, and after a pause that ends beside zero or near it.
+  const Pose2 near{0.8, 0.0, 0.0};
+  const Pose2 beside{0.1, 0.0, 0.0};
+  for (const auto& [from, to, s] : {std::tuple(near, zero, 0.5), std::tuple(before, beside, 20.0),
+                                    std::tuple(near, zero, 20.0)}) {
+    OdometryGate other;
+    (void)other.pass(at(0.0), &from);
+    EXPECT_EQ(other.pass(at(s), &to).kind, Kind::kTold);
+  }
 }
 
 TEST(OdometryGate, StampsThatGoBackCountAsNoTime) {
