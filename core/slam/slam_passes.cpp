@@ -126,7 +126,10 @@ SlamResult Slam::finish_passes(Progress* progress) {
   for (PosedScan& scan : result.scans) scan.static_probability.clear();
   result = track_anew(std::move(result), wider(config.closure), progress);
   if (before.is_outdone_by(check_consistency(result.scans, state_->pool))) return result;
-  if (!before.is_of(result)) return track_anew(std::move(result), config.closure, progress);
+  if (!before.is_of(result)) {
+    for (PosedScan& scan : result.scans) scan.static_probability.clear();
+    return track_anew(std::move(result), config.closure, progress);
+  }
   state_->go_back(before, result, progress);
   return result;
 }
