@@ -48,6 +48,11 @@ def main():
         assert page.text("link") == "not connected", page.text("link")
         assert page.evaluate("document.getElementById('place').disabled") is True
         print("drawn:", page.drawn())
+        # The page stays open. Had the robot localized before, it would have known a better map and another pose.
+        page.evaluate("robot.mapRank = 2; robot.hasLocalizer = true; robot.map = null; robot.pose = null")
+        robot = started(strata, COMPOSITION, work, log=log, port=port)
+        comes_true(lambda: page.text("link") == "live", "the page finds the robot again")
+        comes_true(lambda: page.text("verdict") == "Mapping" and shows_a_robot(page.drawn()), "the new map and pose are drawn")
     finally:
         robot.kill()
         if page is not None:
