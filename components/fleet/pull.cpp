@@ -35,4 +35,9 @@ std::optional<Pulled> pull(Connection& connection, site::Site& site, const PullO
   return pulled;
 }
 
+std::vector<site::VersionStatus> collect(site::Site& site, std::size_t keep_retired,
+                                         const site::Actor& actor) {
+  return site.remove_rubbish({.keep_retired = keep_retired, .replaced_only = true}, actor);
+}
+
 }  // namespace strata::fleet

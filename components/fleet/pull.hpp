@@ -2,7 +2,9 @@
 /// A released version on its way into a robot's own site.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "components/fleet/versions.hpp"
 
@@ -26,5 +28,11 @@ struct Pulled {
 /// the site is as it was.
 [[nodiscard]] std::optional<Pulled> pull(Connection& connection, site::Site& site,
                                          const PullOptions& options, const site::Actor& actor);
+
+/// Removes what was active in a local site before, but for the last `keep_retired` and the first;
+/// candidates, versions that were approved and wait, and those that somebody went back from stay.
+/// Returns what went. Throws OutputError.
+std::vector<site::VersionStatus> collect(site::Site& site, std::size_t keep_retired,
+                                         const site::Actor& actor);
 
 }  // namespace strata::fleet

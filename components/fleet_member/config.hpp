@@ -68,7 +68,9 @@ struct FleetMemberConfig {
   double timeout_s = 120.0;
   double spacing_m = 0.0;
   double tolerance_cells = 0.0;
+  int keep_retired = 5;
   RetryConfig retry;
+  RetryConfig unusable{.first_s = 60.0, .longest_s = 3600.0};
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("server", c.server,
@@ -118,7 +120,14 @@ struct FleetMemberConfig {
              .unit = "s",
              .min = 1.0,
              .max = 86400.0});
+    v.field("keep_retired", c.keep_retired,
+            {.doc = "after an activation so many of the versions that were active before stay in "
+                    "site_folder, and the first one",
+             .min = 0,
+             .max = 1'000'000});
     v.group("retry", c.retry, "when the server is down, gone, full or slow");
+    v.group("unusable", c.unusable,
+            "when a release came that cannot be used here: of a newer Strata, damaged, no room");
   }
 };
 

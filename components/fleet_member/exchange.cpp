@@ -9,7 +9,6 @@
 
 #include "components/fleet/schema.hpp"
 #include "components/site/site.hpp"
-#include "core/base/damage.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::fleet_member {
@@ -27,6 +26,13 @@ std::int64_t unix_now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
+}
+
+/// What it could not do; all else is trouble of this machine's, or of what was fetched.
+bool is_servers(const std::exception& error) {
+  return dynamic_cast<const fleet::ServerError*>(&error) != nullptr ||
+         dynamic_cast<const fleet::LostError*>(&error) != nullptr ||
+         dynamic_cast<const fleet::DeniedError*>(&error) != nullptr;
 }
 
 /// The same for one robot, another one for others: their roles are in their URLs.
@@ -120,25 +126,22 @@ void Exchange::run() {
 void Exchange::note(const std::exception& error, bool is_server) {
   if (stops()) return;  // it was cut off by us
   if (is_server) server_failed_ = true;
-  if (trouble_.find(error.what()) == std::string::npos) {
-    trouble_ += (trouble_.empty() ? "" : "; ") + std::string(error.what());
-  }
+  tell(error.what());
   const std::lock_guard lock(mutex_);
   state_.last_error = error.what();
+}
+
+void Exchange::tell(const std::string& trouble) {
+  if (trouble_.find(trouble) != std::string::npos) return;
+  trouble_ += (trouble_.empty() ? "" : "; ") + trouble;
 }
 
 void Exchange::guarded(const std::function<void()>& part) {
   if (server_failed_ || stops()) return;
   try {
     part();
-  } catch (const fleet::DeniedError& error) {
-    note(error, true);
-  } catch (const DamageError& error) {  // to fetch it once a minute helps nobody
-    note(error, true);
-  } catch (const InputError& error) {  // a folder's
-    note(error, false);
   } catch (const std::exception& error) {
-    note(error, true);
+    note(error, is_servers(error));
   }
 }
 
@@ -227,19 +230,43 @@ void Exchange::pull(fleet::Connection& connection) {
                      "is site " + site.decisions().id + ", not " + config_.site,
                      "name another folder or site: two sites do not mix");
   }
+  fleet::require_same_site(connection, site);  // what is wrong there is mended here, and at once
   const auto newest = fleet::newest_released(connection, config_.site);
   const std::string release = newest ? newest->hash + " " + newest->at : "";
-  if (release != taken_) {
+  if (release == unusable_.release && ExchangeState::Clock::now() < unusable_.retry_at) {
+    tell(unusable_.trouble);
+  } else if (release != taken_) {
+    use(connection, site, release);
+  }
+  const std::lock_guard lock(mutex_);
+  state_.pulled = ExchangeState::Clock::now();
+}
+
+void Exchange::use(fleet::Connection& connection, site::Site& site, const std::string& release) {
+  try {
     const auto pulled = fleet::pull(connection, site,
                                     {.approve = config_.pulled != Pulled::kCandidate,
                                      .activate = config_.pulled == Pulled::kActive},
                                     actor());
     taken_ = pulled ? pulled->version.hash + " " + pulled->version.at : "";
+    unusable_ = {};
     const std::lock_guard lock(mutex_);
     state_.version = pulled ? pulled->version.hash : "";
+  } catch (const std::exception& error) {
+    if (!is_servers(error)) remember_unusable(release, error.what());
+    throw;
   }
-  const std::lock_guard lock(mutex_);
-  state_.pulled = ExchangeState::Clock::now();
+  if (config_.pulled != Pulled::kActive) return;
+  (void)fleet::collect(site, static_cast<std::size_t>(config_.keep_retired), actor());
+}
+
+/// To fetch all of it again each time that one looks helps nobody.
+void Exchange::remember_unusable(const std::string& release, const std::string& trouble) {
+  if (unusable_.release != release) unusable_ = {.release = release};
+  unusable_.trouble = trouble;
+  const auto wait = wait_after(++unusable_.failures, config_.unusable, spread_of(config_.server));
+  unusable_.retry_at = ExchangeState::Clock::now() +
+                       std::chrono::duration_cast<ExchangeState::Clock::duration>(wait);
 }
 
 }  // namespace strata::fleet_member

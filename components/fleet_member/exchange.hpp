@@ -60,14 +60,24 @@ class Exchange {
 
  private:
   class Held;  // the connection, where stop() finds it
+  /// A release that came and that this robot could not use.
+  struct Unusable {
+    std::string release;
+    std::uint64_t failures = 0;
+    std::string trouble = {};
+    ExchangeState::Clock::time_point retry_at = {};
+  };
   void run();
-  /// What went wrong; `is_server` where waiting helps.
+  /// What went wrong; `is_server` where waiting for the server helps.
   void note(const std::exception& error, bool is_server);
+  void tell(const std::string& trouble);
   void guarded(const std::function<void()>& part);
   void exchange();
   void push(fleet::Connection& connection);
   void push(fleet::Connection& connection, const std::string& maps);
   void pull(fleet::Connection& connection);
+  void use(fleet::Connection& connection, site::Site& site, const std::string& release);
+  void remember_unusable(const std::string& release, const std::string& trouble);
   /// What visits are told relative to; nothing: they go by themselves.
   [[nodiscard]] std::optional<fleet::Coding> coding();
   void take(const fleet::PushedVisit& visit);
@@ -80,6 +90,7 @@ class Exchange {
   // The thread's.
   LocalVisits visits_;
   std::string taken_;  ///< the release that was dealt with
+  Unusable unusable_;  ///< ... that was not
   std::string trouble_;
   bool server_failed_ = false;
   std::set<std::string> refused_;

@@ -43,8 +43,9 @@ std::vector<VersionStatus> Site::remove_rubbish(const Rubbish& rubbish, const Ac
     const bool may_go =
         status.state == VersionState::kCandidate || status.state == VersionState::kRetired;
     const bool is_first = founding != all.end() && hash == founding->version.hash;
-    const bool is_old = may_go && !is_recent && !is_first && status.fault.empty() &&
-                        (was_replaced || status.version.number < active_number);
+    const bool is_old =
+        may_go && !is_recent && !is_first && status.fault.empty() &&
+        (was_replaced || (!rubbish.replaced_only && status.version.number < active_number));
     const bool is_bad = rubbish.damaged && !fault_of(hash).empty();
     if ((is_old || is_bad) && status.state != VersionState::kActive) gone.push_back(status);
   }
@@ -58,7 +59,7 @@ std::vector<VersionStatus> Site::remove_rubbish(const Rubbish& rubbish, const Ac
     decisions.versions.erase(hash);
     add_event(decisions, "gc", hash, actor, "");
   }
-  change.commit();
+  if (!gone.empty()) change.commit();
   for (const fs::path& folder : hidden) disk_->remove(folder);
   remove_left_overs();
   return gone;

@@ -17,33 +17,6 @@ using test::drive;
 
 class FleetMemberTest : public test::MemberFixture {
  protected:
-  /// Released by the operator, from maps with one more drive.
-  std::string release(std::int64_t begin_s) const {
-    const std::string name = "by-ada-" + std::to_string(begin_s);
-    test::write_maps(at(name), {test::first_tour(), drive(begin_s, 9)}, name);
-    site::Site local(at("hall-site"));
-    const std::string hash = local.add(at(name), test::ada(), "").status.version.hash;
-    local.approve(hash, test::ada(), "");
-    fleet::Connection ada = as("hall.ada");
-    fleet::release(ada, local, hash, name);
-    return hash;
-  }
-  [[nodiscard]] std::string newest() const {
-    fleet::Connection ada = as("hall.ada");
-    return fleet::newest_released(ada, "hall")->hash;
-  }
-  /// Until it has asked the server again, from the beginning to the end.
-  void wait_for_a_look() {
-    using Clock = std::chrono::steady_clock;
-    for (int i = 0; i < 2; ++i) {  // the first to end may have begun before
-      const Clock::time_point since = Clock::now();
-      EXPECT_TRUE(test::comes_true([&] {
-        const std::string age_s = told("last pull, s ago");
-        const std::chrono::duration<double> waited = Clock::now() - since;
-        return age_s != "never" && std::atof(age_s.c_str()) < waited.count();
-      }));
-    }
-  }
   [[nodiscard]] bool is_connected() const {
     fleet::Connection admin = server_->admin();
     return admin.query("SELECT FROM pg_stat_activity WHERE usename = 'hall.r1'").size() > 0;

@@ -2,6 +2,7 @@
 /// A robot's fleet member beside a server, and what it says of itself.
 #pragma once
 
+#include <chrono>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -83,6 +84,33 @@ class MemberFixture : public FleetFixture {
   }
   [[nodiscard]] std::string active() const {
     return site::Site(at("robot")).active().value_or("none");
+  }
+  /// Released by the operator, from maps with one more drive.
+  std::string release(std::int64_t begin_s) const {
+    const std::string name = "by-ada-" + std::to_string(begin_s);
+    write_maps(at(name), {first_tour(), drive(begin_s, 9)}, name);
+    site::Site local(at("hall-site"));
+    const std::string hash = local.add(at(name), ada(), "").status.version.hash;
+    local.approve(hash, ada(), "");
+    fleet::Connection ada = as("hall.ada");
+    fleet::release(ada, local, hash, name);
+    return hash;
+  }
+  [[nodiscard]] std::string newest() const {
+    fleet::Connection ada = as("hall.ada");
+    return fleet::newest_released(ada, "hall")->hash;
+  }
+  /// Until it has asked the server again, from the beginning to the end.
+  void wait_for_a_look() {
+    using Clock = std::chrono::steady_clock;
+    for (int i = 0; i < 2; ++i) {  // the first to end may have begun before
+      const Clock::time_point since = Clock::now();
+      EXPECT_TRUE(comes_true([&] {
+        const std::string age_s = told("last pull, s ago");
+        const std::chrono::duration<double> waited = Clock::now() - since;
+        return age_s != "never" && std::atof(age_s.c_str()) < waited.count();
+      }));
+    }
   }
   runtime::Component& member() { return *host_->components().front(); }
 
