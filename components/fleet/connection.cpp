@@ -13,6 +13,7 @@
 
 #include "components/fleet/libpq.hpp"
 #include "components/fleet/server_name.hpp"
+#include "components/fleet/session_settings.hpp"
 
 namespace strata::fleet {
 namespace {
@@ -52,9 +53,11 @@ std::string setting_of(PGconn* connection, char* (*ask)(const PGconn*)) {
                       "PGPASSWORD");
   }
   // It says FATAL itself; who is killed meanwhile says nothing, and who is stopped says that.
-  const bool is_stopped = why.find("terminating connection") != std::string::npos ||
-                          why.find("the database system is") != std::string::npos;
-  if (!is_stopped && libpq().connection_used_password(connection) != 0 &&
+  const bool is_for_now = why.find("terminating connection") != std::string::npos ||
+                          why.find("the database system is") != std::string::npos ||
+                          why.find("too many") != std::string::npos ||  // connections
+                          why.find("connection slots") != std::string::npos;
+  if (!is_for_now && libpq().connection_used_password(connection) != 0 &&
       why.find("FATAL") != std::string::npos) {
     throw DeniedError(place, "does not let this user in: " + why,
                       "check user, password and database");
@@ -107,8 +110,8 @@ std::int64_t Rows::integer(std::size_t row, int column) const {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc() || end != digits.data() + digits.size()) {
-    throw OutputError("the server", "answered '" + digits + "' where a number was due",
-                      "check that its tables are those of `strata fleet init`");
+    throw ServerError("the server", "answered '" + digits + "' where a number was due",
+                      "check that its tables are those of `strata fleet init`", "");
   }
   return value;
 }
@@ -173,15 +176,7 @@ Connection::Connection(const std::string& url, const Patience& patience)
       connection, [](void*, const char*) {}, nullptr);
   state_->socket = dup(libpq().socket(connection));
   state_->statement_s = patience.statement_s;
-  // The server would let visits that it has acknowledged go at a power cut, were it told so.
-  (void)query(
-      "SELECT set_config('statement_timeout', $1, false), "
-      "set_config('lock_timeout', $2, false), "
-      "set_config('idle_in_transaction_session_timeout', $1, false), "
-      "set_config('synchronous_commit', 'on', false), "
-      "set_config('client_encoding', 'UTF8', false), "
-      "set_config('search_path', 'pg_catalog', false)",
-      {std::to_string(patience.statement_s) + "s", std::to_string(patience.statement_s) + "s"});
+  (void)query(kSessionSettings, {std::to_string(patience.statement_s) + "s"});
 }
 
 Connection::~Connection() = default;

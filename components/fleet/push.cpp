@@ -50,13 +50,6 @@ std::map<std::int64_t, OwnVisit> own_visits(Connection& connection, const Member
   return visits;
 }
 
-std::set<std::string> released_runs(Connection& connection) {
-  const Rows rows = connection.query("SELECT strata.known_runs()");
-  std::set<std::string> runs;
-  for (std::size_t i = 0; i < rows.size(); ++i) runs.insert(rows.text(i, 0));
-  return runs;
-}
-
 /// A run that lies here, without its content.
 struct LocalVisit {
   Visit visit;
@@ -81,6 +74,23 @@ std::vector<LocalVisit> local_visits(const memory::Store& store, const Member& r
   return visits;
 }
 
+/// Which of these are in a version of the site.
+std::set<std::string> released_runs(Connection& connection, const std::vector<LocalVisit>& visits) {
+  std::vector<std::string> hashes;
+  for (const LocalVisit& visit : visits) hashes.push_back(visit.whole);
+  const auto ask = [&] {
+    try {
+      return connection.query("SELECT strata.known_runs($1::text[])", {array_of(hashes)});
+    } catch (const DeniedError&) {  // tables from before tell all only
+      return connection.query("SELECT strata.known_runs()");
+    }
+  };
+  const Rows rows = ask();
+  std::set<std::string> runs;
+  for (std::size_t i = 0; i < rows.size(); ++i) runs.insert(rows.text(i, 0));
+  return runs;
+}
+
 /// Whether the server has that drive, or as much of it as was sent.
 bool is_same(const OwnVisit& there, const LocalVisit& here) {
   if (there.sha256 == here.whole) return true;
@@ -95,18 +105,18 @@ bool is_same(const OwnVisit& there, const LocalVisit& here) {
          (there.scans == here.visit.scans && off_m <= kRounding * (1.0 + here.visit.path_m));
 }
 
-void require_same_frame(const Connection& connection, const std::filesystem::path& maps,
+void require_same_frame(Connection& connection, const std::filesystem::path& maps,
                         const std::vector<LocalVisit>& visits,
                         const std::set<std::string>& released) {
-  if (released.empty()) {
-    throw InputError(connection.place(),
-                     "has no version of the site yet, so nobody knows its frame",
-                     "an operator releases one first: `strata fleet release`");
-  }
   const bool shares_one = std::any_of(visits.begin(), visits.end(), [&](const LocalVisit& visit) {
     return released.contains(visit.whole);
   });
   if (shares_one) return;
+  if (connection.query("SELECT strata.known_runs() LIMIT 1").size() == 0) {
+    throw InputError(connection.place(),
+                     "has no version of the site yet, so nobody knows its frame",
+                     "an operator releases one first: `strata fleet release`");
+  }
   throw InputError(maps.string(),
                    "was not learned from a version of the site: its frame is its own",
                    "pull a version, and learn with `--update` of its maps");
@@ -157,8 +167,8 @@ void push(Connection& connection, const std::string& site, const std::filesystem
                      "give the URL that `strata fleet add-robot` printed");
   }
   const memory::Store store = maps::open_for_reading(maps);
-  const std::set<std::string> released = released_runs(connection);
-  std::vector<LocalVisit> visits = local_visits(store, robot);
+  const std::vector<LocalVisit> visits = local_visits(store, robot);
+  const std::set<std::string> released = released_runs(connection, visits);
   require_same_frame(connection, maps, visits, released);
   if (coding != nullptr && !is_released(connection, site, coding->hash)) coding = nullptr;
   const auto there = own_visits(connection, robot, spacing.spacing_m <= 0.0 && coding == nullptr);

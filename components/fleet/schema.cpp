@@ -42,6 +42,45 @@ void run_formatted(Connection& connection, const std::string& format,
   connection.script(connection.query(format, parameters).text(0, 0));
 }
 
+/// Those of a role who are logged in go, and are gone when it returns. False where the connection's
+/// role may not do that.
+bool end_sessions(Connection& connection, const std::string& role) {
+  bool all_ended = false;
+  try {
+    connection.transaction([&] {
+      // Who makes roles may be one of them for a moment.
+      run_formatted(connection, "SELECT format('GRANT %I TO %I', $1::text, current_user)", {role});
+      all_ended = connection
+                      .query(
+                          "SELECT coalesce(bool_and(pg_terminate_backend(pid, 5000)), true) "
+                          "FROM pg_stat_activity WHERE usename = $1",
+                          {role})
+                      .text(0, 0) == "t";
+      run_formatted(connection, "SELECT format('REVOKE %I FROM %I', $1::text, current_user)",
+                    {role});
+    });
+  } catch (const DeniedError&) {
+    return false;
+  }
+  return all_ended;
+}
+
+/// What a role may set of itself: defaults of its sessions, also for one database only.
+void reset_settings(Connection& connection, const std::string& role) {
+  const Rows rows = connection.query(
+      "SELECT format('ALTER ROLE %I IN DATABASE %I RESET ALL', r.rolname, d.datname) FROM "
+      "pg_db_role_setting AS s JOIN pg_roles AS r ON r.oid = s.setrole JOIN pg_database AS d ON "
+      "d.oid = s.setdatabase WHERE r.rolname = $1",
+      {role});
+  for (std::size_t i = 0; i < rows.size(); ++i) connection.script(rows.text(i, 0));
+  run_formatted(connection, "SELECT format('ALTER ROLE %I RESET ALL', $1::text)", {role});
+}
+
+/// A robot needs one or two; who has its password takes none of the others'.
+const char* connection_limit(MemberKind kind) {
+  return kind == MemberKind::kRobot ? " CONNECTION LIMIT 10" : "";
+}
+
 }  // namespace
 
 bool apply_schema(Connection& connection) {
@@ -50,13 +89,9 @@ bool apply_schema(Connection& connection) {
     (void)connection.query("SELECT pg_advisory_xact_lock($1::bigint)", {kLock});
     const std::int64_t version = version_there(connection);
     refuse_newer(connection, version);
-    if (version == kSchemaVersion) {
-      // Of tables that were made before the schema had it; robots compare spaced visits by it.
-      connection.script("GRANT SELECT (scans, end_ns) ON strata.visit TO strata_robot");
-      return;
-    }
-    connection.script(std::string(schema_text()));
-    made = true;
+    made = version == 0;
+    if (made) connection.script(std::string(schema_text()));
+    connection.script(std::string(always_text()));
   });
   return made;
 }
@@ -124,8 +159,8 @@ Member add_member(Connection& connection, MemberKind kind, const std::string& si
   try {
     connection.transaction([&] {
       run_formatted(connection,
-                    "SELECT format('CREATE ROLE %I LOGIN PASSWORD %L IN ROLE %I', $1::text, "
-                    "$2::text, $3::text)",
+                    std::string("SELECT format('CREATE ROLE %I LOGIN PASSWORD %L") +
+                        connection_limit(kind) + " IN ROLE %I', $1::text, $2::text, $3::text)",
                     {member.role, verifier, std::string("strata_") + name_of(kind)});
       (void)connection.query(std::string("INSERT INTO ") + table_of(kind) + " (site, " +
                                  name_of(kind) + ", role_name) VALUES ($1, $2, $3)",
@@ -140,8 +175,8 @@ Member add_member(Connection& connection, MemberKind kind, const std::string& si
   return member;
 }
 
-Member renew_password(Connection& connection, MemberKind kind, const std::string& site,
-                      const std::string& name, const std::string& password) {
+Renewed renew_password(Connection& connection, MemberKind kind, const std::string& site,
+                       const std::string& name, const std::string& password) {
   const Rows found = connection.query(std::string("SELECT role_name FROM ") + table_of(kind) +
                                           " WHERE site = $1 AND " + name_of(kind) + " = $2",
                                       {site, name});
@@ -151,9 +186,19 @@ Member renew_password(Connection& connection, MemberKind kind, const std::string
                      "`strata fleet status` says which there are");
   }
   const Member member{kind, site, name, found.text(0, 0)};
-  run_formatted(connection, "SELECT format('ALTER ROLE %I PASSWORD %L', $1::text, $2::text)",
-                {member.role, connection.verifier_of(password, member.role)});
-  return member;
+  // A role changes its own password: who is in, or comes in meanwhile, must not be quicker.
+  (void)end_sessions(connection, member.role);  // one may hold the role's row
+  run_formatted(connection, "SELECT format('ALTER ROLE %I NOLOGIN', $1::text)", {member.role});
+  const bool is_alone = end_sessions(connection, member.role);
+  const std::string verifier = connection.verifier_of(password, member.role);
+  connection.transaction([&] {
+    reset_settings(connection, member.role);
+    run_formatted(connection,
+                  std::string("SELECT format('ALTER ROLE %I LOGIN PASSWORD %L") +
+                      connection_limit(kind) + "', $1::text, $2::text)",
+                  {member.role, verifier});
+  });
+  return {member, is_alone};
 }
 
 Member who_am_i(Connection& connection) {

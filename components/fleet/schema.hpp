@@ -10,15 +10,18 @@
 
 namespace strata::fleet {
 
-/// Of strata.schema_version. Raise it with a file schema/NNN_*.sql for each change of the tables.
+/// Of strata.schema_version. Raise it with a file schema/NNN_*.sql for each change of the tables
+/// that programs of before could not go on with: they refuse a newer one.
 inline constexpr int kSchemaVersion = 1;
 
 /// The text of schema/001_fleet.sql.
 [[nodiscard]] std::string_view schema_text();
+/// The text of schema/always.sql: what may be brought up to date in tables that are there.
+[[nodiscard]] std::string_view always_text();
 
-/// Makes the tables, unless they are there. All or nothing; several may try at once. Returns
-/// whether it made any. Throws InputError where a newer program made them, DeniedError where the
-/// role may not.
+/// Makes the tables, or brings those that are there up to date. All or nothing; several may try at
+/// once. Returns whether it made any. Throws InputError where a newer program made them,
+/// DeniedError where the role may not.
 bool apply_schema(Connection& connection);
 
 /// Throws InputError where the tables are missing or of another version.
@@ -42,10 +45,15 @@ struct Member {
 /// password and no other way. Throws InputError where the name is taken, or the site is missing.
 Member add_member(Connection& connection, MemberKind kind, const std::string& site,
                   const std::string& name, const std::string& password);
-/// Another password for one that is there; the old one is worth nothing from now on. Those who are
-/// logged in stay until they go. Throws InputError where there is none.
-Member renew_password(Connection& connection, MemberKind kind, const std::string& site,
-                      const std::string& name, const std::string& password);
+struct Renewed {
+  Member member;
+  bool ended_sessions = false;  ///< false: the connection's role may not, and those who are in stay
+};
+/// Another password for one that is there; the old one is worth nothing from now on, the role's own
+/// settings are as at the beginning, and who is logged in is cut off. Where it throws half-way,
+/// nobody gets in until it is done again. Throws InputError where there is none.
+Renewed renew_password(Connection& connection, MemberKind kind, const std::string& site,
+                       const std::string& name, const std::string& password);
 
 /// Who the connection is. Throws InputError where it is neither robot, nor operator, nor the owner
 /// of the tables.

@@ -19,13 +19,6 @@ namespace {
 /// Files go in parts, so that none is too large for a row and a slow network ends each in time.
 constexpr std::size_t kPartBytes = 4U << 20U;
 
-/// PostgreSQL's text of an array of hashes, which need no quotes.
-std::string array_of(const std::vector<std::string>& hashes) {
-  std::string text = "{";
-  for (const std::string& hash : hashes) text += (text.size() == 1 ? "" : ",") + hash;
-  return text + "}";
-}
-
 void send_file(Connection& connection, const std::string& site, const std::string& hash,
                const fs::path& folder, const std::string& path) {
   std::ifstream in(folder / path, std::ios::binary);
@@ -60,7 +53,7 @@ void fetch_file(Connection& connection, const std::string& site, const std::stri
   std::error_code error;
   fs::create_directories(to.parent_path(), error);
   std::ofstream out(to, std::ios::binary);
-  for (int part = 0;; ++part) {
+  for (int part = 0; out; ++part) {  // a full disk takes none of the rest
     const Rows rows = connection.query_bytes(
         "SELECT payload FROM strata.version_file WHERE site = $1 AND hash = $2 AND path = $3 AND "
         "part = $4",
@@ -83,6 +76,15 @@ Rows versions_there(Connection& connection, const std::string& site) {
 }
 
 }  // namespace
+
+std::string array_of(const std::vector<std::string>& hashes) {
+  std::string text = "{";
+  for (const std::string& hash : hashes) {
+    if (hash.find_first_not_of("0123456789abcdef") != std::string::npos) continue;
+    text += (text.size() == 1 ? "" : ",") + hash;
+  }
+  return text + "}";
+}
 
 std::vector<ServerVersion> versions(Connection& connection, const std::string& site) {
   const Rows rows = versions_there(connection, site);
@@ -149,6 +151,27 @@ void release(Connection& connection, const site::Site& site, const std::string& 
     (void)connection.query(
         "UPDATE strata.version SET state = 'released' WHERE site = $1 AND hash = $2", {id, name});
   });
+}
+
+bool release_once(Connection& connection, const site::Site& site, const std::string& hash,
+                  const std::string& note) {
+  require_same_site(connection, site);
+  const std::string id = site.decisions().id;
+  const std::string name = site.find(hash).version.hash;
+  const std::optional<ServerVersion> there = version_of(connection, id, name);
+  if (!there) {
+    release(connection, site, name, note);
+    return true;
+  }
+  const std::optional<ServerVersion> newest = newest_released(connection, id);
+  if (newest && newest->hash == name) return false;
+  throw InputError(
+      connection.place(),
+      "has had version " + log::short_hash(name) + " before: " +
+          (there->state == "withdrawn" ? "it was withdrawn" : "another one was released") + " at " +
+          (there->state == "withdrawn" ? *there : *newest).at + " by " +
+          (there->state == "withdrawn" ? *there : *newest).by,
+      "with --again robots go back to it; else activate here what they are to use");
 }
 
 void withdraw(Connection& connection, const std::string& site, const std::string& hash) {

@@ -21,6 +21,9 @@ struct ServerVersion {
   std::string note;
 };
 
+/// PostgreSQL's text of an array of hashes; what is none is left out.
+[[nodiscard]] std::string array_of(const std::vector<std::string>& hashes);
+
 /// Those that this role may read, the one that was released last first. O(versions).
 [[nodiscard]] std::vector<ServerVersion> versions(Connection& connection, const std::string& site);
 
@@ -38,6 +41,12 @@ struct ServerVersion {
 /// where site or frame are not those of the server; DeniedError for who is no operator.
 void release(Connection& connection, const site::Site& site, const std::string& hash,
              const std::string& note);
+
+/// The same for what is done again and again: only of a version that the server never had. False
+/// where it is the one that was released last, which stays as it is. Throws InputError where it was
+/// withdrawn or another one was released since: who goes back to it says so by release().
+bool release_once(Connection& connection, const site::Site& site, const std::string& hash,
+                  const std::string& note);
 
 /// Robots no longer get it. Throws InputError where there is none of that hash.
 void withdraw(Connection& connection, const std::string& site, const std::string& hash);

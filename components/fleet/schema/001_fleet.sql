@@ -1,5 +1,6 @@
 -- SPDX-License-Identifier: Apache-2.0
--- A fleet's server, version 1 (docs/fleet.md). `strata fleet init` runs it in one transaction.
+-- A fleet's server, version 1 (docs/fleet.md). `strata fleet init` runs it in one transaction, and
+-- then, each time, always.sql.
 --
 -- Who may do what is decided here, by roles and row-level security, and by no program of ours:
 --   a robot     adds visits under its own name; reads released versions of its own site, and of its own
@@ -93,14 +94,8 @@ CREATE FUNCTION strata.my_site() RETURNS text
 CREATE FUNCTION strata.my_robot() RETURNS text
   LANGUAGE sql STABLE SECURITY DEFINER SET search_path = pg_catalog
   AS $$ SELECT robot::text FROM strata.robot WHERE role_name = session_user $$;
--- What any version of the asker's site was ever made of, withdrawn ones too.
-CREATE FUNCTION strata.known_runs() RETURNS SETOF text
-  LANGUAGE sql STABLE SECURITY DEFINER SET search_path = pg_catalog
-  AS $$ SELECT DISTINCT unnest(runs) FROM strata.version
-        WHERE site = strata.my_site() AND state <> 'loading' $$;
-REVOKE ALL ON FUNCTION strata.my_site(), strata.my_robot(), strata.known_runs() FROM PUBLIC;
-GRANT EXECUTE ON FUNCTION strata.my_site(), strata.my_robot(), strata.known_runs()
-  TO strata_robot, strata_operator;
+REVOKE ALL ON FUNCTION strata.my_site(), strata.my_robot() FROM PUBLIC;
+GRANT EXECUTE ON FUNCTION strata.my_site(), strata.my_robot() TO strata_robot, strata_operator;
 
 -- Visits are there for ever, whoever asks.
 CREATE FUNCTION strata.refuse_change() RETURNS trigger LANGUAGE plpgsql AS $$
@@ -111,19 +106,6 @@ CREATE TRIGGER visit_stays BEFORE UPDATE OR DELETE ON strata.visit
   FOR EACH ROW EXECUTE FUNCTION strata.refuse_change();
 CREATE TRIGGER visit_stays_whole BEFORE TRUNCATE ON strata.visit
   FOR EACH STATEMENT EXECUTE FUNCTION strata.refuse_change();
-
--- A version that was released does not change but for its state, and who set that is written down.
-CREATE FUNCTION strata.note_state() RETURNS trigger LANGUAGE plpgsql AS $$
-BEGIN
-  IF NEW.state = 'loading' THEN
-    RAISE EXCEPTION 'a released version is not loaded again' USING ERRCODE = 'insufficient_privilege';
-  END IF;
-  NEW.state_by := session_user;
-  NEW.state_at := clock_timestamp();
-  RETURN NEW;
-END $$;
-CREATE TRIGGER version_state BEFORE UPDATE ON strata.version
-  FOR EACH ROW EXECUTE FUNCTION strata.note_state();
 
 ALTER TABLE strata.site ENABLE ROW LEVEL SECURITY;
 ALTER TABLE strata.robot ENABLE ROW LEVEL SECURITY;
@@ -143,7 +125,7 @@ CREATE POLICY robot_sees_own ON strata.visit FOR SELECT TO strata_robot
   USING (site = (SELECT strata.my_site()) AND robot = (SELECT strata.my_robot()));
 GRANT INSERT (site, robot, visit, sha256, format, scans, end_ns, path_m, payload)
   ON strata.visit TO strata_robot;
-GRANT SELECT (site, robot, visit, sha256, scans, end_ns, bytes, path_m, received_at) ON strata.visit TO strata_robot;
+GRANT SELECT (site, robot, visit, sha256, bytes, path_m, received_at) ON strata.visit TO strata_robot;
 CREATE POLICY robot_reads_released ON strata.version FOR SELECT TO strata_robot
   USING (site = (SELECT strata.my_site()) AND state = 'released');
 GRANT SELECT ON strata.version TO strata_robot;

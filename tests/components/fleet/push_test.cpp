@@ -66,6 +66,17 @@ TEST_F(Push, SendsWhatIsNewAndItsOwnAndNothingTwice) {
   EXPECT_EQ(status(ada, "hall").robots[1].visits, 0);
 }
 
+/// All that a site ever learned is far more than what lies here.
+TEST_F(Push, AsksOnlyForTheRunsThatLieHere) {
+  (void)release_first_tour("hall");
+  Connection admin = server_->admin();
+  admin.script("REVOKE EXECUTE ON FUNCTION strata.known_runs() FROM strata_robot");
+  test::write_maps(at("monday"), {first_tour(), drive(10, 1)});
+  Connection robot = as("hall.r1");
+  EXPECT_THAT(outcomes(robot, "hall", "monday"),
+              ElementsAre(PushOutcome::kReleased, PushOutcome::kSent));
+}
+
 /// Two drives lost scans when the maps went on: one after it had been sent, one before.
 TEST_F(Push, OfWhatIsLeftOfAVisitIsThereWhereTheWholeIs) {
   (void)release_first_tour("hall");

@@ -95,6 +95,7 @@ TEST_F(Roles, ShowARobotNothingOfAnotherSiteOrRobot) {
   EXPECT_GT(rows(robot, "SELECT path FROM strata.version_file"), 0);
   EXPECT_EQ(rows(robot, "SELECT path FROM strata.version_file WHERE hash <> '" + hall + "'"), 0);
   EXPECT_EQ(rows(robot, "SELECT strata.known_runs()"), 1);
+  EXPECT_EQ(rows(robot, "SELECT run FROM strata.known_run"), kDenied);
   EXPECT_EQ(rows(robot, "SELECT robot FROM strata.robot"), kDenied);
   EXPECT_EQ(rows(robot, "SELECT operator FROM strata.operator"), kDenied);
   // What it cannot see it can neither become nor make.

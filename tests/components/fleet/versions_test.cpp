@@ -92,6 +92,47 @@ TEST_F(ReleasedVersions, AreTakenBackForAllRobots) {
   EXPECT_EQ(versions(operators, "hall").size(), 2U);
 }
 
+/// A server whose clock was a year ahead when the second one came.
+TEST_F(ReleasedVersions, CountInTheOrderOfTheirReleaseWhateverTheClockSaid) {
+  const std::string first = release_first_tour("hall");
+  const std::string second = release_next("second");
+  Connection admin = server_->admin();
+  (void)admin.query("SET session_replication_role = replica");  // no trigger tells the time
+  (void)admin.query(
+      "UPDATE strata.version SET state_at = state_at + interval '1 year' WHERE hash = $1",
+      {second});
+  Connection operators = as("hall.ada");
+  Connection robot = as("hall.r1");
+  release(operators, site::Site(at("hall-site")), first, "");
+  EXPECT_EQ(newest_released(robot, "hall")->hash, first);
+  const std::string third = release_next("third");
+  EXPECT_EQ(newest_released(robot, "hall")->hash, third);
+  const auto all = versions(robot, "hall");
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_LT(all[2].at, all[1].at);
+  EXPECT_LT(all[1].at, all[0].at);
+}
+
+TEST_F(ReleasedVersions, StayAsTheyAreWhenTheyAreReleasedEveryNight) {
+  const std::string first = release_first_tour("hall");
+  Connection operators = as("hall.ada");
+  const site::Site local(at("hall-site"));
+  const auto newest = [&] { return newest_released(operators, "hall").value(); };
+  const std::string at_first = newest().at;
+  EXPECT_FALSE(release_once(operators, local, first, ""));
+  EXPECT_EQ(newest().at, at_first) << "robots that went back would take it anew";
+  const std::string second = release_next("second");
+  EXPECT_THAT([&] { (void)release_once(operators, local, first, ""); },
+              ThrowsMessage<InputError>(HasSubstr("another one was released")));
+  EXPECT_EQ(newest().hash, second);
+  withdraw(operators, "hall", second);
+  EXPECT_THAT([&] { (void)release_once(operators, local, second, ""); },
+              ThrowsMessage<InputError>(HasSubstr("it was withdrawn")));
+  EXPECT_EQ(newest().hash, first);
+  release(operators, local, second, "by hand");
+  EXPECT_EQ(newest().hash, second);
+}
+
 TEST_F(ReleasedVersions, AreThoseThatWereApprovedByOperatorsOfThatSite) {
   (void)release_first_tour("hall");
   test::write_maps(at("more"), {first_tour()}, "more");
