@@ -26,17 +26,22 @@ std::string named(const std::string& place, const VisitName& name) {
                     "set the robot aside, and look into the server's disk");
 }
 
-std::vector<PosedScan> fetch_scans(Connection& connection, const std::string& site,
-                                   const VisitName& name, VersionMaps& maps) {
-  const std::string place = named(connection.place(), name);
+std::int64_t format_of(Connection& connection, const std::string& site, const VisitName& name) {
   const std::int64_t format =
       connection
           .query("SELECT format FROM strata.visit WHERE site = $1 AND robot = $2 AND visit = $3",
                  {site, name.robot, name.number})
           .integer(0, 0);
   if (format != memory::kVisitFormat && format != memory::kCodedVisitFormat) {
-    throw InputError(place, "is of a format that this Strata does not know", "update Strata here");
+    throw InputError(named(connection.place(), name),
+                     "is of a format that this Strata does not know", "update Strata here");
   }
+  return format;
+}
+
+std::vector<PosedScan> fetch_scans(Connection& connection, const std::string& site,
+                                   const VisitName& name, std::int64_t format, VersionMaps& maps) {
+  const std::string place = named(connection.place(), name);
   const Rows rows = connection.query_bytes(
       "SELECT payload FROM strata.visit WHERE site = $1 AND robot = $2 AND visit = $3",
       {site, name.robot, name.number});
@@ -136,27 +141,52 @@ std::vector<VisitName> visit_names(Connection& connection, const std::string& si
   return names;
 }
 
+std::vector<VisitName> recent_visits(Connection& connection, const std::string& site,
+                                     std::size_t count) {
+  const Rows rows = connection.query(
+      "SELECT robot, visit, sha256 FROM (SELECT robot, visit, sha256, row_number() OVER "
+      "(PARTITION BY robot ORDER BY received_at DESC, visit DESC) AS place FROM strata.visit WHERE "
+      "site = $1) AS v WHERE place <= $2::bigint ORDER BY robot::text COLLATE \"C\", place",
+      {site, static_cast<std::int64_t>(count)});
+  std::vector<VisitName> names;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    names.push_back({rows.text(i, 0), rows.integer(i, 1), rows.text(i, 2)});
+  }
+  return names;
+}
+
 void for_each_visit(Connection& connection, const std::string& site,
                     const std::set<std::string>& known,
                     const std::function<void(const VisitName&, std::vector<PosedScan>)>& take,
-                    const site::Site* local) {
+                    const site::Site* local, const Faulty& faulty) {
   VersionMaps maps(connection, site, local);
   for (const VisitName& name : visit_names(connection, site)) {
     if (known.contains(name.sha256)) continue;
-    take(name, fetch_scans(connection, site, name, maps));
+    const std::int64_t format = format_of(connection, site, name);
+    std::vector<PosedScan> scans;
+    try {
+      scans = fetch_scans(connection, site, name, format, maps);
+    } catch (const DeniedError&) {
+      throw;
+    } catch (const InputError& error) {
+      if (!faulty) throw;
+      faulty(name, error);
+      continue;
+    }
+    take(name, std::move(scans));
   }
 }
 
 std::vector<LearnedVisit> visits_to_learn(Connection& connection, const std::string& site,
                                           const std::set<std::string>& known,
-                                          const site::Site* local) {
+                                          const site::Site* local, const Faulty& faulty) {
   std::vector<LearnedVisit> visits;
   for_each_visit(
       connection, site, known,
       [&](const VisitName& name, std::vector<PosedScan> scans) {
         visits.push_back({name, std::move(scans)});
       },
-      local);
+      local, faulty);
   std::stable_sort(visits.begin(), visits.end(), [](const LearnedVisit& a, const LearnedVisit& b) {
     return std::tie(a.name.number, a.name.robot) < std::tie(b.name.number, b.name.robot);
   });

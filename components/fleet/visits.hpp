@@ -58,15 +58,19 @@ struct VisitPayload {
 /// scans, or have none any more, as it was when they had all. O(beams of all).
 [[nodiscard]] std::vector<std::string> run_hashes(const std::filesystem::path& maps);
 
+/// Who is told of a visit that cannot be read.
+using Faulty = std::function<void(const VisitName&, const InputError&)>;
+
 /// Every visit of a site but those of robots that were set aside and those whose hash is in
 /// `known`, sorted by robot and number, so that who came first makes no difference; payloads are
 /// fetched one by one, unpacked, and their hash is checked. local: a site that may have the
-/// versions that visits are relative to, or null. For an operator or the owner. Throws DamageError
-/// where a hash does not hold, and InputError where nobody has such a version.
+/// versions that visits are relative to, or null. faulty: is told of those whose hash does not
+/// hold, or whose version nobody has; without it they are thrown, as DamageError or InputError. For
+/// an operator or the owner. Throws InputError for a format of a newer Strata.
 void for_each_visit(Connection& connection, const std::string& site,
                     const std::set<std::string>& known,
                     const std::function<void(const VisitName&, std::vector<PosedScan>)>& take,
-                    const site::Site* local = nullptr);
+                    const site::Site* local = nullptr, const Faulty& faulty = {});
 
 struct LearnedVisit {
   VisitName name;
@@ -79,7 +83,12 @@ struct LearnedVisit {
 [[nodiscard]] std::vector<LearnedVisit> visits_to_learn(Connection& connection,
                                                         const std::string& site,
                                                         const std::set<std::string>& known,
-                                                        const site::Site* local = nullptr);
+                                                        const site::Site* local = nullptr,
+                                                        const Faulty& faulty = {});
+
+/// Of each robot of a site the last `count` visits that the server received, the newest first.
+[[nodiscard]] std::vector<VisitName> recent_visits(Connection& connection, const std::string& site,
+                                                   std::size_t count);
 
 /// The names alone.
 [[nodiscard]] std::vector<VisitName> visit_names(Connection& connection, const std::string& site);

@@ -94,10 +94,19 @@ void add_member(const FleetOptions& options, VerbContext& context, fleet::Member
   fleet::require_schema(connection);
   const bool is_made = options.password_file.empty();
   const std::string password = is_made ? made_password() : password_in(options.password_file);
-  const fleet::Member member =
-      options.new_password
-          ? fleet::renew_password(connection, kind, options.site, options.name, password)
-          : fleet::add_member(connection, kind, options.site, options.name, password);
+  fleet::Renewed made{{}, true};
+  if (options.new_password) {
+    made = fleet::renew_password(connection, kind, options.site, options.name, password);
+  } else {
+    made.member = fleet::add_member(connection, kind, options.site, options.name, password);
+  }
+  const fleet::Member& member = made.member;
+  if (!made.ended_sessions) {
+    context.note("warning: who is logged in as " + member.role +
+                 " stays so; as a superuser: SELECT pg_terminate_backend(pid) FROM "
+                 "pg_stat_activity WHERE usename = '" +
+                 member.role + "', then once more --new-password");
+  }
   const std::string url = fleet::url_for(connection.place(), member.role);
   answer(options, context,
          std::string(options.new_password ? "gave a new password to " : "added ") +
@@ -119,14 +128,28 @@ json json_of(const fleet::ServerVersion& version) {
           {"note", version.note}};
 }
 
+/// Who names a version so runs the same command every night: to go back is no such thing.
+bool is_moving_name(const std::string& version) {
+  return version == "active" || version == "newest" || version == "previous";
+}
+
 void release(const FleetOptions& options, VerbContext& context) {
   const site::Site site = open_site(options, context);
   fleet::Connection connection = connect(options);
   const std::string hash = site.find(options.version).version.hash;
-  fleet::release(connection, site, hash, options.note);
+  bool is_new = true;
+  if (options.again || !is_moving_name(options.version)) {
+    fleet::release(connection, site, hash, options.note);
+  } else {
+    is_new = fleet::release_once(connection, site, hash, options.note);
+  }
   answer(options, context,
-         "released version " + log::short_hash(hash) + " of " + site.decisions().id,
-         {{"mapId", site.decisions().id}, {"mapHash", hash}, {"state", "released"}});
+         std::string(is_new ? "released version " : "robots have been given version ") +
+             log::short_hash(hash) + " of " + site.decisions().id + (is_new ? "" : " already"),
+         {{"mapId", site.decisions().id},
+          {"mapHash", hash},
+          {"state", "released"},
+          {"is_new", is_new}});
 }
 
 void withdraw(const FleetOptions& options, VerbContext& context) {
@@ -168,18 +191,26 @@ void pull(const FleetOptions& options, VerbContext& context) {
   json as_json = tools::json_of(pulled->status);
   as_json["is_new"] = pulled->is_new;
   as_json["released"] = json_of(pulled->version);
+  as_json["removed"] = json::array();
+  if (options.activate) {
+    for (const auto& gone : fleet::collect(site, options.keep_retired, actor(options))) {
+      as_json["removed"].push_back(gone.version.hash);
+    }
+  }
+  const std::size_t removed = as_json["removed"].size();
   answer(options, context,
          std::string(pulled->is_new ? "pulled version " : "had version ") +
-             name_of(pulled->status) + ", " + site::name_of(pulled->status.state),
+             name_of(pulled->status) + ", " + site::name_of(pulled->status.state) +
+             (removed == 0 ? "" : "; removed " + counted(removed, "old version")),
          as_json);
 }
 
 void learn(const FleetOptions& options, VerbContext& context) {
   const site::Site site = open_site(options, context);
   fleet::Connection connection = connect(options);
-  std::optional<site::RobotLimits> limits;
-  if (!options.unchecked) limits = {options.max_contradicted, options.max_above_others};
-  const json summary = learn_fleet(connection, site, options.name, limits, context);
+  FleetLearnTask task{options.name, std::nullopt, options.without};
+  if (!options.unchecked) task.limits = {options.max_contradicted, options.max_above_others};
+  const json summary = learn_fleet(connection, site, task, context);
   context.clear_progress();
   answer(options, context,
          "learned " + counted(summary["visits"].get<std::size_t>(), "visit") + " of " +

@@ -3,7 +3,9 @@
 /// (no_fleet.cpp).
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "tools/site/robot_check.hpp"
 #include "tools/strata/verb_context.hpp"
@@ -22,6 +24,8 @@ struct FleetOptions {
   std::string by;
   std::string note;
   std::string why;
+  std::vector<std::string> without;
+  std::size_t keep_retired = 5;
   int timeout_s = 120;
   double spacing_m = 0.0;
   double tolerance_cells = 0.5;
@@ -29,6 +33,7 @@ struct FleetOptions {
   bool approve = false;
   bool activate = false;
   bool undo = false;
+  bool again = false;
   bool unchecked = false;
   double max_contradicted = site::RobotLimits{}.max_contradicted;
   double max_above_others = site::RobotLimits{}.max_above_others;

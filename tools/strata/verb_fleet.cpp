@@ -55,6 +55,9 @@ constexpr std::array<Action, 10> kActions{{
        add_folder(action, options);
        action.add_option("VERSION", options.version, "as `strata site` takes it")->required();
        action.add_option("--note", options.note, "why, for those who pull it");
+       action.add_flag("--again", options.again,
+                       "also of active, newest and previous: one that was withdrawn, or that "
+                       "another one took the place of; robots go back to it");
      }},
     {"withdraw", "give a version to no robot any more",
      "postgresql://hall-3.ada@server/fleet --site hall-3 3f2a9c41d7b8",
@@ -90,7 +93,14 @@ constexpr std::array<Action, 10> kActions{{
      [](CLI::App& action, FleetOptions& options) {
        add_folder(action, options);
        action.add_flag("--approve", options.approve, "its release counts as the approval");
-       action.add_flag("--activate", options.activate, "approve it, and localize in it");
+       CLI::Option* activate =
+           action.add_flag("--activate", options.activate, "approve it, and localize in it");
+       action
+           .add_option("--keep", options.keep_retired,
+                       "with --activate: so many of the versions that were active before stay, and "
+                       "the first one")
+           ->capture_default_str()
+           ->needs(activate);
        action.add_option("--by", options.by, "who does it, for the diary; by default USER@HOST");
      }},
     {"learn", "learn all robots' visits, on top of a local site's active version",
@@ -100,16 +110,21 @@ constexpr std::array<Action, 10> kActions{{
        action.add_option("--out", options.name, "folder for the maps")->required();
        action
            .add_option("--max-contradicted", options.max_contradicted,
-                       "share of a robot's scans that may contradict the active version, ...")
+                       "share of a visit's scans that may contradict the active version, ...")
            ->check(CLI::Range(0.0, 1.0))
            ->capture_default_str();
        action
            .add_option("--max-above-others", options.max_above_others,
-                       "... and by so much more than the other robots': beyond both, the robot is "
-                       "set aside")
+                       "... and by so much more than the other robots': beyond both, the visit is "
+                       "left out")
            ->check(CLI::Range(0.0, 1.0))
            ->capture_default_str();
-       action.add_flag("--unchecked", options.unchecked, "set no robot aside");
+       action.add_flag("--unchecked", options.unchecked, "judge no visit, set no robot aside");
+       action
+           .add_option("--without", options.without,
+                       "a visit that is left out, as ROBOT:NUMBER; may be repeated")
+           ->take_all()
+           ->allow_extra_args(false);
      }},
     {"set-aside", "learn from a robot's visits no more",
      "postgresql://hall-3.ada@server/fleet --site hall-3 robot-4 --why 'its laser is bent'",
