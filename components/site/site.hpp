@@ -150,8 +150,8 @@ class Site {
   struct Rubbish {
     std::size_t keep_retired = 5;  ///< so many of those that were active last stay
     bool damaged = false;          ///< those that are damaged go, too
-    bool replaced_only = false;    ///< no candidate goes, nor one that was rolled back from
     bool dry_run = false;          ///< only say what would go
+    bool replaced_only = false;    ///< no candidate goes, nor one that was rolled back from
   };
   /// Removes what is older than the active version: candidates, and versions that were active, but
   /// for the last and the first, whose frame is the site's; never one that was approved and waits.
