@@ -14,6 +14,7 @@
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/node_map_message.hpp"
 #include "components/site/learn_limits.hpp"
+#include "core/base/damage.hpp"
 #include "core/base/error.hpp"
 #include "core/grid/blind_beams.hpp"
 #include "memory/nodes/changed_places.hpp"
@@ -26,6 +27,9 @@ namespace {
 constexpr std::size_t kMaxReadAtOnce = 50;
 /// After publishing for t, nothing is published for so many t: at most a twentieth of a core.
 constexpr int kRestsAWork = 19;
+
+/// As many damaged nodes are told of one by one: a store may have thousands.
+constexpr std::uint64_t kMaxToldNodes = 5;
 
 /// "robot1", "/robot1" and "/robot1/" are the same.
 std::string topic_of(const std::string& robot) {
@@ -95,6 +99,7 @@ void TimescaleMemory::on_diagnose(runtime::Health& health) const {
   if (!memory_) return;
   health.add("nodes", std::uint64_t{memory_->nodes().size()});
   health.add("nodes in RAM", std::uint64_t{memory_->resident()});
+  health.add("nodes damaged", damaged_nodes_);
   health.add("observations", memory_->observations());
   if (file_) health.add_later("store_bytes", [this] { return log::stored_bytes(config_.store); });
 }
@@ -123,7 +128,11 @@ void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message, int 
   // Robots that share a memory count their runs each for itself: only the clock is common.
   if (!config_.robots.empty()) scan.run = 0;
   (void)blind_beams(scan, never_learned_);
-  memory_->observe(scan, nullptr, robot);
+  try {
+    memory_->observe(scan, nullptr, robot);
+  } catch (const DamageError& error) {  // the next scan makes another node there
+    pass_over(error);
+  }
   if (!is_time_to_publish(scan.scan.stamp)) return;
   const auto begin = std::chrono::steady_clock::now();
   publish_map(scan.scan.stamp, kMaxReadAtOnce);
@@ -133,8 +142,19 @@ void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message, int 
   rest_until_ = end + kRestsAWork * (end - begin);
 }
 
+void TimescaleMemory::pass_over(const DamageError& error) {
+  if (++damaged_nodes_ > kMaxToldNodes) return;
+  warn(DamageError(error.place(), error.problem() + "; it is passed over, and learned anew",
+                   "put the store back from a backup while the component is stopped"));
+}
+
 void TimescaleMemory::publish_map(Stamp stamp, std::size_t max_read) {
-  decoded_ = memory_->decode(config_.decoding, decoded_.get(), 0.0, max_read);
+  std::vector<memory::DamagedNode> damaged;
+  decoded_ = memory_->decode(config_.decoding, decoded_.get(), 0.0, max_read, &damaged);
+  for (const memory::DamagedNode& found : damaged) {
+    memory_->pass_over(found.node);
+    pass_over(found.error);
+  }
   publish_map_(maps::to_message(*memory_, *decoded_, stamp, config_.map_frame));
 }
 
@@ -184,6 +204,7 @@ void TimescaleMemory::on_cleanup() {
   decoded_.reset();
   poses_.clear();
   never_learned_ = Grid<std::uint8_t>(kZoneCell_m, CellRect{}, 0);
+  damaged_nodes_ = 0;
   last_published_.reset();
   last_changes_.reset();
   rest_until_ = {};

@@ -17,6 +17,7 @@
 #include "components/runtime/pose_watch.hpp"
 #include "components/timescale_memory/config.hpp"
 #include "components/timescale_memory/memory_file.hpp"
+#include "core/base/damage.hpp"
 #include "core/grid/grid.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
@@ -43,6 +44,8 @@ class TimescaleMemory final : public runtime::Component {
   void open_store();
   void on_scan(const strata_msgs::msg::LabeledScan& message, int robot = 0);
   [[nodiscard]] bool is_time_to_publish(Stamp stamp);
+  /// A node that was found to be damaged: counted, and told of.
+  void pass_over(const DamageError& error);
   /// max_read: nodes that may be read from the store for it.
   void publish_map(Stamp stamp, std::size_t max_read);
   void publish_changes(Stamp stamp);
@@ -56,6 +59,7 @@ class TimescaleMemory final : public runtime::Component {
   std::map<int, runtime::PoseWatch> poses_;                       // by robot
   Grid<std::uint8_t> never_learned_{kZoneCell_m, CellRect{}, 0};  // cells with 1
   std::shared_ptr<const memory::NodeMap> decoded_;
+  std::uint64_t damaged_nodes_ = 0;  ///< passed over
   std::optional<Stamp> last_published_;
   std::optional<Stamp> last_changes_;
   std::function<void(const std_msgs::msg::String&)> publish_changes_;

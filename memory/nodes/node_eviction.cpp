@@ -2,11 +2,23 @@
 /// Nodes that are not in memory: how they are evicted and loaded, and how a snapshot is decoded in
 /// spite of them.
 #include <algorithm>
+#include <array>
+#include <cstdio>
 
 #include "memory/decoding/decode.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
 namespace strata::memory {
+namespace {
+
+std::string place_of(const MemoryNode& node, std::size_t index) {
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "node %zu at (%.1f, %.1f) m", index, node.position_m.x(),
+                node.position_m.y());
+  return text.data();
+}
+
+}  // namespace
 
 std::vector<std::uint64_t> MemoryNode::revisions() const {
   std::vector<std::uint64_t> result{observations};
@@ -23,14 +35,25 @@ std::size_t TimescaleMemory::resident() const {
 MemoryNode TimescaleMemory::loaded(std::size_t index) const {
   MemoryNode node = nodes_[index];
   allocate(node);
-  read_levels(node, source_->levels_of(index), source_->place());
+  try {
+    read_levels(node, source_->levels_of(index), source_->place());
+  } catch (const DamageError& error) {
+    throw DamageError(error.place() + ": " + place_of(node, index), error.problem(),
+                      error.remedy());
+  }
   node.stored_revisions = node.revisions();
   return node;
 }
 
 void TimescaleMemory::load(int index) {
   const auto n = static_cast<std::size_t>(index);
-  if (nodes_[n].is_evicted()) nodes_[n] = loaded(n);
+  if (!nodes_[n].is_evicted()) return;
+  try {
+    nodes_[n] = loaded(n);
+  } catch (const DamageError&) {
+    pass_over(n);
+    throw;
+  }
 }
 
 void TimescaleMemory::evict(std::size_t max_resident, std::shared_ptr<const NodeSource> source) {
@@ -57,7 +80,7 @@ std::vector<bool> TimescaleMemory::to_read(const NodeMap* previous, std::size_t 
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const bool is_known =
         previous != nullptr && n < previous->nodes().size() && !previous->nodes()[n].is_pending;
-    if (nodes_[n].is_evicted() && !is_known) missing.push_back(n);
+    if (nodes_[n].is_evicted() && !nodes_[n].is_damaged && !is_known) missing.push_back(n);
   }
   if (missing.size() > most) {
     const Eigen::Vector2d here = nodes_[newest_node_].position_m;
@@ -72,6 +95,18 @@ std::vector<bool> TimescaleMemory::to_read(const NodeMap* previous, std::size_t 
   std::vector<bool> result(nodes_.size(), false);
   for (const std::size_t n : missing) result[n] = true;
   return result;
+}
+
+std::optional<MemoryNode> TimescaleMemory::read_for(const DecodeRules& rules,
+                                                    std::size_t index) const {
+  if (nodes_[index].is_damaged) return std::nullopt;
+  try {
+    return loaded(index);
+  } catch (const DamageError& error) {
+    if (rules.damaged == nullptr) throw;
+    rules.damaged->push_back({index, error});
+    return std::nullopt;
+  }
 }
 
 NodeMap::Node TimescaleMemory::decode_node(std::size_t index, const NodeMap::Node* old,
@@ -96,7 +131,8 @@ NodeMap::Node TimescaleMemory::decode_node(std::size_t index, const NodeMap::Nod
   std::optional<MemoryNode> read;
   if (node.is_evicted() && !is_complete) {
     result.is_pending = !settled || (old == nullptr && !may_read);
-    if (!result.is_pending) read = loaded(index);
+    if (!result.is_pending) read = read_for(rules, index);
+    result.is_pending = !read;
   }
   const std::vector<NodeLevel>& source = read ? read->levels : node.levels;
   for (std::size_t level = 0; level < levels; ++level) {
@@ -115,13 +151,15 @@ NodeMap::Node TimescaleMemory::decode_node(std::size_t index, const NodeMap::Nod
 
 std::shared_ptr<const NodeMap> TimescaleMemory::decode(const DecodingConfig& decoding,
                                                        const NodeMap* previous, double unsettled_s,
-                                                       std::size_t max_loaded) const {
+                                                       std::size_t max_loaded,
+                                                       std::vector<DamagedNode>* damaged) const {
   const bool reusable = previous != nullptr && previous->decoding() == decoding;
   const std::vector<bool> may_read = to_read(reusable ? previous : nullptr, max_loaded);
   const DecodeRules rules{
       decoding, unsettled_s,
       NodeMap::make_level(config_.bins(), config_.visibility.own_place_m, 0,
-                          memory::decode(NodeLevel(config_.bins(), 1, false), decoding))};
+                          memory::decode(NodeLevel(config_.bins(), 1, false), decoding)),
+      damaged};
   std::vector<NodeMap::Node> nodes;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const NodeMap::Node* old =

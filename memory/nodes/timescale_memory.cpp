@@ -37,6 +37,7 @@ void TimescaleMemory::find_near(const Eigen::Vector2d& point_m) {
   near_.clear();
   const double radius_squared = config_.node_spacing_m * config_.node_spacing_m;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    if (nodes_[n].is_damaged) continue;
     const double squared = (nodes_[n].position_m - point_m).squaredNorm();
     if (squared <= radius_squared) near_.emplace_back(std::sqrt(squared), static_cast<int>(n));
   }
@@ -149,8 +150,8 @@ Observed TimescaleMemory::observe(const PosedScan& scan, const Eigen::Matrix3d* 
   turns_.see(scan.scan, scan.run);
   const Observed result = choose_node(scan, robot);
   if (result.outcome != ObserveOutcome::kTaken) return result;
-  turns_.use();
   load(result.node);
+  turns_.use();
   MemoryNode& node = nodes_[static_cast<std::size_t>(result.node)];
   insert(node, result.node, scan);
   ++observations_;

@@ -15,6 +15,7 @@
 
 #include <Eigen/Core>
 
+#include "core/base/damage.hpp"
 #include "core/base/time.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/scan/scan.hpp"
@@ -44,6 +45,8 @@ struct MemoryNode {
   std::uint64_t last_used = 0;  ///< observations of the whole memory when it was last needed
   /// revisions() when it was last read from where it lies or evicted; empty: never.
   std::vector<std::uint64_t> stored_revisions;
+  /// It lies where it cannot be read from any more; then it is evicted for good.
+  bool is_damaged = false;
 
   [[nodiscard]] bool is_evicted() const { return levels.empty(); }
   /// Numbers that change with the content: observations, insertions of each level, and the day's.
@@ -65,6 +68,12 @@ struct Observed {
   bool is_new_node = false;
 };
 
+/// A node that `decode` passed over, and why.
+struct DamagedNode {
+  std::size_t node = 0;
+  DamageError error;
+};
+
 /// State and update. The same seed and the same scans in the same order give the same bytes. One
 /// thread at a time.
 class TimescaleMemory {
@@ -82,10 +91,13 @@ class TimescaleMemory {
   /// frame; null when the pose is known. robot: who took it, from 0, where several feed one memory
   /// in whatever order; their scans then have one clock and one run. A node between two robots
   /// takes a scan of the other when its period is over: it forgets as if one robot were there. An
-  /// evicted node is loaded first: throws InputError, without any change, when that fails. O(nodes
-  /// + beams + levels x angle bins).
+  /// evicted node is loaded first: throws InputError, and has not learned, when that fails; by a
+  /// DamageError the node is passed over from then on. O(nodes + beams + levels x angle bins).
   Observed observe(const PosedScan& scan, const Eigen::Matrix3d* covariance = nullptr,
                    int robot = 0);
+
+  /// The node was found to be damaged: scans make another where it is, and `decode` leaves it out.
+  void pass_over(std::size_t node) { nodes_[node].is_damaged = true; }
 
   /// The day is over: levels that learn by days take in what they gathered. Happens by itself when
   /// a node sees a scan of a later day or run; call it after the last.
@@ -97,11 +109,12 @@ class TimescaleMemory {
   /// before it stay as they were: a robot must not localize by what it has learned a moment ago.
   /// Evicted nodes that `previous` lacks are read, decoded and forgotten again, at most
   /// `max_loaded` of them, those nearest to the place of the last scan; the others are pending and
-  /// expect nothing until a later snapshot has them.
+  /// expect nothing until a later snapshot has them. So do those that are damaged, which go to the
+  /// end of `damaged`; without it the first of them is thrown.
   [[nodiscard]] std::shared_ptr<const NodeMap> decode(
       const DecodingConfig& decoding = {}, const NodeMap* previous = nullptr,
-      double unsettled_s = 0.0,
-      std::size_t max_loaded = std::numeric_limits<std::size_t>::max()) const;
+      double unsettled_s = 0.0, std::size_t max_loaded = std::numeric_limits<std::size_t>::max(),
+      std::vector<DamagedNode>* damaged = nullptr) const;
 
   /// Nodes whose levels are in memory.
   [[nodiscard]] std::size_t resident() const;
@@ -127,7 +140,8 @@ class TimescaleMemory {
   /// Whose turn it is at the gate, which the parts do not tell: for who goes on within a run.
   [[nodiscard]] const ScannerTurns& turns() const { return turns_; }
   void set_turns(ScannerTurns turns) { turns_ = std::move(turns); }
-  /// An evicted node as it would be when loaded. Throws InputError when it cannot be read.
+  /// An evicted node as it would be when loaded. Throws InputError when it cannot be read, and of
+  /// those DamageError, with its place in the map, when it is damaged.
   [[nodiscard]] MemoryNode loaded(std::size_t node) const;
   /// Throws InputError{place} when the parts do not fit together.
   [[nodiscard]] static TimescaleMemory restore(std::span<const std::byte> head,
@@ -139,7 +153,8 @@ class TimescaleMemory {
       std::shared_ptr<const NodeSource> source);
 
  private:
-  /// Fills near_: distance and index of the nodes within node_spacing_m, nearest first.
+  /// Fills near_: distance and index of the nodes within node_spacing_m, nearest first, without
+  /// those that are damaged.
   void find_near(const Eigen::Vector2d& point_m);
   /// The node for a scan, made if need be; when it is kTaken, virtual_scan_ is the node's.
   Observed choose_node(const PosedScan& scan, int robot);
@@ -156,7 +171,11 @@ class TimescaleMemory {
     const DecodingConfig& decoding;
     double unsettled_s = 0.0;
     std::shared_ptr<const NodeMap::Level> nothing;
+    std::vector<DamagedNode>* damaged = nullptr;
   };
+  /// Of a node that `decode` needs; nothing for one that is passed over.
+  [[nodiscard]] std::optional<MemoryNode> read_for(const DecodeRules& rules,
+                                                   std::size_t index) const;
   [[nodiscard]] NodeMap::Node decode_node(std::size_t index, const NodeMap::Node* old,
                                           const DecodeRules& rules, bool may_read) const;
   void insert(MemoryNode& node, int index, const PosedScan& scan);

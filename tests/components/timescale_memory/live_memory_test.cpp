@@ -20,6 +20,7 @@
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/components/runtime/status_watch.hpp"
 #include "tests/memory/nodes/room_world.hpp"
+#include "tests/memory/store/execute_sql.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::timescale_memory {
@@ -46,6 +47,11 @@ class LiveMemory {
         "{type: strata::TimescaleMemory, name: memory, parameters: {" + parameters + "}}",
         registry_, test::make_participant());
     host_->activate();
+  }
+  /// The first that says so.
+  [[nodiscard]] test::DiagnosticStatus status(const std::string& key, const std::string& value) {
+    return watch_.wait_for(*host_,
+                           [&](const auto& now) { return test::value_of(now, key) == value; });
   }
   [[nodiscard]] bool has_received(const std::string& topic, int count) {
     const std::string key = "received " + topic;
@@ -226,6 +232,41 @@ TEST_F(LiveMemoryTest, PublishesWhatTheStoreHoldsFromTheFirstScanOn) {
   const auto received = maps.wait_for(1);
   ASSERT_EQ(received.size(), 1U);
   EXPECT_EQ(received[0].nodes().size(), nodes);
+}
+
+TEST_F(LiveMemoryTest, GoesOnThoughANodeOfItsStoreIsDamaged) {
+  {
+    TimescaleMemory memory({}, 1);
+    for (int k = 0; k < 40; ++k) {
+      memory.observe(scan_of(0, k));
+      memory.observe(scan_of(1, k));
+    }
+    memory::Store(path()).save_timescale(memory);
+  }
+  // Where the robot is.
+  const std::size_t nodes = stored().nodes().size();
+  const int here = stored().observe(scan_of(0, 40)).node;
+  const std::string query =
+      "UPDATE timescale_level SET data = substr(data, 1, length(data) - 1) "
+      "|| x'5a' WHERE node = " +
+      std::to_string(here);
+  test::execute(path(), query.c_str());
+  for (int start = 0; start < 2; ++start) {
+    LiveMemory memory("store: '" + path() + "'");
+    test::Collector<strata_msgs::msg::NodeMap> maps(test::make_participant(), "/node_map",
+                                                    "latched");
+    Robot robot("/labeled_scan");
+    robot.publish(scan_of(0, 40 + 10 * start));
+    auto received = maps.wait_for(1);
+    ASSERT_FALSE(received.empty());
+    EXPECT_EQ(received[0].nodes().size(), nodes - 1 + static_cast<std::size_t>(start));
+    const auto status = memory.status("nodes damaged", "1");
+    EXPECT_THAT(status.message(), testing::HasSubstr("node " + std::to_string(here) + " at ("));
+    EXPECT_THAT(status.message(), testing::HasSubstr("backup"));
+    robot.publish(scan_of(0, 44 + 10 * start));  // it learns the place anew
+    ASSERT_TRUE(memory.has_received("/labeled_scan", 2));
+  }
+  EXPECT_EQ(memory::Store(path()).open_timescale().nodes().size(), nodes + 1);
 }
 
 }  // namespace

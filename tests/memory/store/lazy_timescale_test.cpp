@@ -5,11 +5,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 #include "memory/store/store.hpp"
 #include "tests/memory/nodes/room_world.hpp"
+#include "tests/memory/store/execute_sql.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::memory {
@@ -149,14 +149,9 @@ TEST_F(LargeBuilding, IsSavedAsAWholeThoughItsNodesAreEvictedToTheSameStore) {
 
 TEST_F(LargeBuilding, WithOneDamagedNodeWorksEverywhereElseAndSaysWhatIsWrong) {
   const auto file = copy("damaged.db");
-  sqlite3* handle = nullptr;
-  ASSERT_EQ(sqlite3_open(file.c_str(), &handle), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(handle,
-                         "UPDATE timescale_level SET data = substr(data, 1, length(data) - 1) || "
-                         "x'5a' WHERE node = 42 AND level = 1",
-                         nullptr, nullptr, nullptr),
-            SQLITE_OK);
-  sqlite3_close(handle);
+  test::execute(file,
+                "UPDATE timescale_level SET data = substr(data, 1, length(data) - 1) || x'5a' "
+                "WHERE node = 42 AND level = 1");
   const Store store(file, {.check = false});
   TimescaleMemory opened = store.open_timescale();
   EXPECT_EQ(opened.observe(scan_at(41, 100)).node, 41);
@@ -169,6 +164,50 @@ TEST_F(LargeBuilding, WithOneDamagedNodeWorksEverywhereElseAndSaysWhatIsWrong) {
     EXPECT_FALSE(error.remedy().empty());
   }
   EXPECT_EQ(opened.observe(scan_at(43, 100)).node, 43);
+}
+
+/// Nodes 42 and 4711 cannot be read.
+class DamagedBuilding : public LargeBuilding {
+ protected:
+  /// name: of the file, one a test.
+  [[nodiscard]] static TimescaleMemory opened(const char* name) {
+    const auto file = copy(name);
+    test::execute(file,
+                  "UPDATE timescale_level SET data = substr(data, 1, length(data) - 1) || x'5a' "
+                  "WHERE node IN (42, 4711) AND level = 1");
+    return Store(file, {.check = false}).open_timescale();
+  }
+  static std::vector<std::size_t> pending(const NodeMap& map) {
+    std::vector<std::size_t> result;
+    for (std::size_t n = 0; n < map.nodes().size(); ++n) {
+      if (map.nodes()[n].is_pending) result.push_back(n);
+    }
+    return result;
+  }
+};
+
+TEST_F(DamagedBuilding, IsDecodedButForItsDamagedNodesWhichAreNamedOnce) {
+  TimescaleMemory memory = opened("decoded.db");
+  EXPECT_THROW((void)memory.decode(), DamageError);
+  std::vector<DamagedNode> damaged;
+  auto map = memory.decode({}, nullptr, 0.0, kNodes, &damaged);
+  EXPECT_THAT(pending(*map), testing::ElementsAre(42U, 4711U));
+  ASSERT_EQ(damaged.size(), 2U);
+  EXPECT_EQ(damaged[0].node, 42U);
+  EXPECT_THAT(damaged[0].error.what(), testing::HasSubstr("node 42 at (840.0, 0.0) m"));
+  for (const DamagedNode& found : damaged) memory.pass_over(found.node);
+  map = memory.decode({}, map.get(), 0.0, kNodes, &damaged);
+  EXPECT_THAT(pending(*map), testing::ElementsAre(42U, 4711U));
+  EXPECT_EQ(damaged.size(), 2U);
+}
+
+TEST_F(DamagedBuilding, LearnsThePlaceOfADamagedNodeAnew) {
+  TimescaleMemory memory = opened("anew.db");
+  EXPECT_THROW((void)memory.observe(scan_at(42, 100)), DamageError);
+  const Observed observed = memory.observe(scan_at(42, 101));
+  EXPECT_TRUE(observed.is_new_node);
+  EXPECT_EQ(memory.observe(scan_at(42, 102)).node, observed.node);
+  EXPECT_EQ(memory.nodes().size(), kNodes + 1);
 }
 
 }  // namespace
