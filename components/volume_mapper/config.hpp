@@ -15,6 +15,7 @@ struct VolumeMapperConfig {
   volume::DynamicBoxConfig boxes;
   bool leave_out_moving = true;
   bool wait_for_labels = false;
+  std::string health_topic;
   std::string map_frame = "map";
   std::string topic = "octomap_binary";
   bool has_colors = true;
@@ -42,6 +43,10 @@ struct VolumeMapperConfig {
     v.field("wait_for_labels", c.wait_for_labels,
             {.doc = "a cloud also waits until labeled_scan has come past its moment; for robots "
                     "that have a 2-D scanner and a beam filter"});
+    v.field("health_topic", c.health_topic,
+            {.doc = "strata_msgs/LocalizationHealth in, such as a localizer's localization_health: "
+                    "clouds wait until it has come past their moment, and those that were measured "
+                    "while it was not localized enter nothing; empty: poses are taken for true"});
     v.field("map_frame", c.map_frame, runtime::kMapFrame);
     v.field("topic", c.topic, {.doc = "octomap_msgs/Octomap out, binary, latched"});
     v.field("has_colors", c.has_colors,

@@ -9,9 +9,7 @@
 #include "components/convert/cloud_messages.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
-#include "components/log/kept_file.hpp"
 #include "components/log/whole_file.hpp"
-#include "core/base/error.hpp"
 #include "core/scan/undistort.hpp"
 #include "core/volume/level_tree.hpp"
 
@@ -43,6 +41,7 @@ void VolumeMapper::on_configure() {
   kept_ = std::chrono::steady_clock::now();
   pool_.emplace(context().threads);
   transforms_ = log::TransformHistory(kRemembered_s);
+  health_ = ToldHealth(kRemembered_s);
   advertise_maps();
   subscribe<tf2_msgs::msg::TFMessage>(
       "/tf_static", "tf_static", [this](const auto& message) { on_transforms(message, true); });
@@ -50,6 +49,11 @@ void VolumeMapper::on_configure() {
       "/tf", "tf", [this](const auto& message) { on_transforms(message, false); });
   subscribe<strata_msgs::msg::LabeledScan>("labeled_scan", "lossless",
                                            [this](const auto& message) { on_scan(message); });
+  if (!config_.health_topic.empty()) {
+    // Latched ones keep one: while a cloud is entered others would be lost.
+    subscribe<strata_msgs::msg::LocalizationHealth>(
+        config_.health_topic, "tf", [this](const auto& message) { on_health(message); });
+  }
   subscribe<sensor_msgs::msg::PointCloud2>("points", config_.points_qos,
                                            [this](const auto& message) { on_cloud(message); });
 }
@@ -66,38 +70,6 @@ void VolumeMapper::advertise_maps() {
   }
 }
 
-volume::VolumeMap VolumeMapper::first_map() {
-  std::optional<volume::VolumeMap> stored;
-  std::error_code error;
-  const bool is_stored =
-      !lockstep() && !config_.store.empty() && std::filesystem::exists(config_.store, error);
-  if (is_stored) log::require_own_file(config_.store, log::kOctree, "store");
-  // What cannot be read must not be written over: then there is no start.
-  const auto restore = [&] {
-    stored.emplace(volume::VolumeMap::from_file(log::read_whole_file(config_.store), config_.store,
-                                                config_.map));
-  };
-  if (is_stored && restored(config_.store, restore)) return std::move(*stored);
-  return volume::VolumeMap(config_.map);
-}
-
-std::filesystem::path VolumeMapper::color_store() const {
-  std::filesystem::path path = config_.store;
-  return path.replace_filename(path.stem().string() + "_color.ot");
-}
-
-volume::PointColors VolumeMapper::first_colors() {
-  volume::PointColors stored(config_.map);
-  std::error_code error;
-  const bool is_stored =
-      !lockstep() && !config_.store.empty() && std::filesystem::exists(color_store(), error);
-  if (!is_stored) return stored;
-  const std::string path = color_store().string();
-  log::require_own_file(path, log::kOctree, "store");
-  const bool is_sound = restored(path, [&] { stored.restore(log::read_whole_file(path), path); });
-  return is_sound ? std::move(stored) : volume::PointColors(config_.map);
-}
-
 void VolumeMapper::on_activate() {
   if (map_->size().leaves > 0) publish(now());
 }
@@ -107,14 +79,6 @@ void VolumeMapper::on_tick() {
   if (since.count() >= config_.store_period_s) keep();
   if (held_back_ && publishing_.is_due(std::chrono::steady_clock::now()))
     publish_map_of(*held_back_);
-}
-
-void VolumeMapper::keep() {
-  kept_ = std::chrono::steady_clock::now();
-  if (lockstep() || config_.store.empty() || !map_ || kept_clouds_ == clouds_) return;
-  log::write_whole_file(config_.store, map_->full_file());
-  if (has_colors()) log::write_whole_file(color_store(), colors_->file(*map_));
-  kept_clouds_ = clouds_;
 }
 
 void VolumeMapper::on_transforms(const tf2_msgs::msg::TFMessage& message, bool is_static) {
@@ -138,6 +102,12 @@ void VolumeMapper::on_scan(const strata_msgs::msg::LabeledScan& message) {
   const Stamp oldest = scan.scan.stamp - Duration::from_seconds(kRemembered_s);
   std::erase_if(moving_, [&](const auto& point) { return point.stamp < oldest; });
   last_label_ = scan.scan.stamp;
+  work_off();
+}
+
+void VolumeMapper::on_health(const strata_msgs::msg::LocalizationHealth& message) {
+  health_.add(convert::from_message(message.header().stamp()),
+              message.localized() && !message.lost());
   work_off();
 }
 
@@ -169,20 +139,31 @@ void VolumeMapper::on_cloud(const sensor_msgs::msg::PointCloud2& message) {
   waiting_.push_back(std::move(waiting));
   work_off();
   while (waiting_.size() > static_cast<std::size_t>(config_.waiting_clouds)) {
+    const Waiting& oldest = waiting_.front();
+    ++(sure_of_place(oldest) ? without_pose_ : without_health_);
     waiting_.pop_front();
-    ++without_pose_;
   }
 }
 
 void VolumeMapper::work_off() {
   for (auto it = waiting_.begin(); it != waiting_.end();) {
-    if (!is_labeled(it->last) || !find_poses(*it)) {
+    const std::optional<bool> is_sure = sure_of_place(*it);
+    if (!is_sure || (*is_sure && (!is_labeled(it->last) || !find_poses(*it)))) {
       ++it;
       continue;
     }
-    enter(it->cloud);
+    if (*is_sure) {
+      enter(it->cloud);
+    } else {
+      ++not_localized_;
+    }
     it = waiting_.erase(it);
   }
+}
+
+std::optional<bool> VolumeMapper::sure_of_place(const Waiting& waiting) const {
+  if (config_.health_topic.empty()) return true;
+  return health_.is_localized(waiting.cloud.stamp, waiting.last);
 }
 
 bool VolumeMapper::find_poses(Waiting& waiting) const {
@@ -264,6 +245,14 @@ void VolumeMapper::on_finish(const std::filesystem::path& out_dir) {
 void VolumeMapper::on_diagnose(runtime::Health& health) const {
   health.add("clouds", std::uint64_t{clouds_});
   health.add("clouds without pose", std::uint64_t{without_pose_});
+  if (!config_.health_topic.empty()) {
+    if (without_health_ > 0 && health_.is_empty()) {
+      health.warn("nobody publishes " + resolve(config_.health_topic) +
+                  ": no cloud enters the map");
+    }
+    health.add("clouds while not localized", std::uint64_t{not_localized_});
+    health.add("clouds without localization health", std::uint64_t{without_health_});
+  }
   health.add("points that are no numbers", std::uint64_t{counts_.not_finite});
   health.add("points taken for moving", std::uint64_t{counts_.dynamic});
 }
@@ -280,6 +269,9 @@ void VolumeMapper::on_cleanup() {
   clouds_ = 0;
   kept_clouds_ = 0;
   without_pose_ = 0;
+  not_localized_ = 0;
+  without_health_ = 0;
+  health_ = ToldHealth(kRemembered_s);
   last_label_.reset();
   last_published_.reset();
   publishing_ = {};

@@ -15,12 +15,14 @@
 #include "components/volume_mapper/config.hpp"
 #include "components/volume_mapper/live_levels.hpp"
 #include "components/volume_mapper/share_of_time.hpp"
+#include "components/volume_mapper/told_health.hpp"
 #include "core/volume/point_colors.hpp"
 #include "core/volume/volume_map.hpp"
 
 namespace strata::volume_mapper {
 
-/// In: points (sensor_msgs/PointCloud2), /tf, /tf_static, labeled_scan. Out: octomap_binary, and
+/// In: points (sensor_msgs/PointCloud2), /tf, /tf_static, labeled_scan, and the localizer's health
+/// when asked. Out: octomap_binary, and
 /// octomap_color once clouds have colours, and octomap_level/short, mid and long when asked. A
 /// cloud waits until tf tells where it was seen from. Clouds that make no sense, or whose pose
 /// stays unknown, are dropped and counted on /diagnostics; the map is as before. Live, publishing
@@ -48,9 +50,12 @@ class VolumeMapper final : public runtime::Component {
   void on_transforms(const tf2_msgs::msg::TFMessage& message, bool is_static);
   void on_cloud(const sensor_msgs::msg::PointCloud2& message);
   void on_scan(const strata_msgs::msg::LabeledScan& message);
+  void on_health(const strata_msgs::msg::LocalizationHealth& message);
   /// Enters the clouds whose pose is known by now, in order.
   void work_off();
   [[nodiscard]] bool is_labeled(Stamp stamp) const;
+  /// Whether the localizer was sure of where the robot was, if it is asked; nothing: not known yet.
+  [[nodiscard]] std::optional<bool> sure_of_place(const Waiting& waiting) const;
   /// Finds where the cloud was seen from; false while that is not known up to its last point.
   bool find_poses(Waiting& waiting) const;
   void enter(const volume::Cloud& cloud);
@@ -80,6 +85,9 @@ class VolumeMapper final : public runtime::Component {
   std::size_t kept_clouds_ = 0;  ///< as of the last write to the store
   std::chrono::steady_clock::time_point kept_;
   std::size_t without_pose_ = 0;
+  std::size_t not_localized_ = 0;   ///< clouds that were passed over
+  std::size_t without_health_ = 0;  ///< clouds that waited for it in vain
+  ToldHealth health_;
   std::optional<Stamp> last_label_;
   std::optional<Stamp> last_published_;
   ShareOfTime publishing_;          ///< live

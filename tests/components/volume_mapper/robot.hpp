@@ -17,6 +17,7 @@
 #include "components/convert/scan_messages.hpp"
 #include "components/volume_mapper/register.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
+#include "tests/components/runtime/status_watch.hpp"
 
 namespace strata::volume_mapper {
 using octomap_msgs::msg::Octomap;
@@ -68,7 +69,9 @@ class Robot {
         points_(participant_, "/points", bus::qos_profile("lossless")),
         tf_(participant_, "/tf", bus::qos_profile("tf")),
         tf_static_(participant_, "/tf_static", bus::qos_profile("tf_static")),
-        scans_(participant_, "/labeled_scan", bus::qos_profile("lossless")) {
+        scans_(participant_, "/labeled_scan", bus::qos_profile("lossless")),
+        health_(participant_, "/localization_health", bus::qos_profile("tf")),
+        watch_(participant_) {
     register_component(registry_);
     host_ = test::make_host(
         "{type: strata::VolumeMapper, name: mapper, parameters: {points_qos: lossless, " +
@@ -79,6 +82,9 @@ class Robot {
     EXPECT_TRUE(points_.raw().wait_for_readers(1, patience));
     EXPECT_TRUE(tf_.raw().wait_for_readers(1, patience));
     EXPECT_TRUE(scans_.raw().wait_for_readers(1, patience));
+    if (parameters.find("health_topic") != std::string::npos) {
+      EXPECT_TRUE(health_.raw().wait_for_readers(1, patience));
+    }
     tf_static_.publish(transform("base_link", "lidar", 0.0, 0.25));
   }
   void move(double time_s, double x) { tf_.publish(transform("map", "base_link", time_s, x)); }
@@ -100,6 +106,18 @@ class Robot {
   }
   void publish(const PointCloud2& message) { points_.publish(message); }
   void label(const PosedScan& scan) { scans_.publish(convert::to_message(scan, "map", "laser")); }
+  void tell_health(double time_s, bool is_localized, bool is_lost = false) {
+    strata_msgs::msg::LocalizationHealth message;
+    message.header(convert::make_header(Stamp::from_seconds(time_s), "map"));
+    message.localized(is_localized);
+    message.lost(is_lost);
+    health_.publish(message);
+  }
+  /// The first status that says so.
+  [[nodiscard]] test::DiagnosticStatus status(const std::string& key, const std::string& value) {
+    return watch_.wait_for(*host_,
+                           [&](const auto& now) { return test::value_of(now, key) == value; });
+  }
   /// Two scans of which all beams hit something that moves, 2.8 m ahead.
   void label_moving(double first_s, double last_s) {
     PosedScan scan;
@@ -119,19 +137,25 @@ class Robot {
     return colored_.wait_for(maps, patience);
   }
   /// While the component may hold a map back, since it took long.
+  [[nodiscard]] std::vector<Octomap> tick_for(std::size_t maps) { return tick_for(maps_, maps); }
   [[nodiscard]] std::vector<Octomap> tick_for_colored(std::size_t maps) {
-    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (colored_.wait_for(maps, std::chrono::milliseconds(20)).size() < maps &&
-           std::chrono::steady_clock::now() < patience) {
-      tick();
-    }
-    return colored_.wait_for(maps, std::chrono::milliseconds(0));
+    return tick_for(colored_, maps);
   }
   void deactivate() { host_.reset(); }
   [[nodiscard]] runtime::Host& host() { return *host_; }
   void tick() { host_->tick(); }
 
  private:
+  [[nodiscard]] std::vector<Octomap> tick_for(test::Collector<Octomap>& collected,
+                                              std::size_t maps) {
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (collected.wait_for(maps, std::chrono::milliseconds(20)).size() < maps &&
+           std::chrono::steady_clock::now() < patience) {
+      tick();
+    }
+    return collected.wait_for(maps, std::chrono::milliseconds(0));
+  }
+
   std::shared_ptr<bus::Participant> participant_;
   test::Collector<Octomap> maps_;
   test::Collector<Octomap> colored_;
@@ -139,6 +163,8 @@ class Robot {
   bus::Writer<TFMessage> tf_;
   bus::Writer<TFMessage> tf_static_;
   bus::Writer<strata_msgs::msg::LabeledScan> scans_;
+  bus::Writer<strata_msgs::msg::LocalizationHealth> health_;
+  test::StatusWatch watch_;
   runtime::Registry registry_;
   std::unique_ptr<runtime::Host> host_;
 };
