@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/base/state_archive.hpp"
 #include "core/base/time.hpp"
@@ -26,8 +27,9 @@ class DayBatch {
   [[nodiscard]] std::uint64_t revision() const { return (closed_ << 32U) + scans_; }
   void add(const VirtualScan& scan, int run, Stamp stamp, RandomStream& random);
 
-  /// Days since the end of the batch before. Runs whose clocks overlap, and a clock
-  /// that was set back, say nothing of the time between them: a day each, as the first.
+  /// Days since the latest end of a batch before that the clock has come past again. A run within
+  /// the time of another, and a clock that was set back, say nothing of the time between them: a
+  /// day each, as the first.
   [[nodiscard]] double days() const;
   /// Begins the next one.
   void close();
@@ -41,6 +43,10 @@ class DayBatch {
     archive(self.span_);
     archive(self.before_);
     archive(self.seen_);
+    if constexpr (Archive::kReads) {
+      if (archive.is_at_end()) return;  // of an older version
+    }
+    archive(self.earlier_);
   }
 
  private:
@@ -54,6 +60,9 @@ class DayBatch {
   Span span_;
   std::uint64_t closed_ = 0;  ///< batches before this one
   Span before_;
+  /// Ends of batches by a clock that was set back afterwards and has not come past them since,
+  /// the latest first.
+  std::vector<Stamp> earlier_;
 };
 
 }  // namespace strata::memory

@@ -13,7 +13,8 @@ namespace {
 /// 3: what was seen last, and when each node was needed last. A node that has slept since an older
 /// version wrote it does without.
 /// 4: samples and pairs may say "no nearer than", which older versions would take for damage.
-constexpr std::uint32_t kStateVersion = 4;
+/// 5: a day knows ends of days by clocks that were set back afterwards.
+constexpr std::uint32_t kStateVersion = 5;
 
 /// Run and robot share a number: files of before several robots could feed a memory have robot 0.
 std::int64_t run_and_robot(const MemoryNode& node) {

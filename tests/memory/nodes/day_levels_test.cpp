@@ -106,6 +106,46 @@ TEST(DayLevels, EndADayThatBeganByAClockFarAheadWhenThatIsPutRight) {
   EXPECT_NEAR(share_of_box(memory, 1), std::exp2(-1.0 / 3.0), 0.06) << "a day's change";
 }
 
+/// A boot without a clock of its own begins in 1970, until the network tells the time.
+class AfterABootInThePast : public testing::TestWithParam<std::vector<int>> {};
+
+TEST_P(AfterABootInThePast, TheNextDayIsOneDayLater) {
+  TimescaleMemory memory(with_daily_and_weekly());
+  spend_day(memory, 20000, 100, true);
+  for (const int day : GetParam()) spend_day(memory, day, 5, true);
+  spend_day(memory, 20001, 100, false);
+  memory.close_day();
+  EXPECT_NEAR(share_of_box(memory, 1), std::exp2(-1.0 / 3.0), 0.06);
+  EXPECT_NEAR(share_of_box(memory, 2), std::exp2(-1.0 / 21.0), 0.06);
+}
+
+INSTANTIATE_TEST_SUITE_P(DayLevels, AfterABootInThePast,
+                         testing::Values(std::vector<int>{}, std::vector<int>{0},
+                                         std::vector<int>{0, 1, 2}, std::vector<int>{9, 6, 3, 0},
+                                         std::vector<int>{30000, 20000, 0}));
+
+TEST(DayLevels, CountWhatARunAddsWhoseClockBeginsSomewhatLate) {
+  TimescaleMemory memory(with_daily_and_weekly());
+  spend_day(memory, 0, 100, true, 0);
+  for (int i = 0; i < 200; ++i) {  // from an hour before the end on, for nine hours
+    PosedScan scan = observe({0.0, 0.0, 0.0}, 0.5 * kDay_s + 50.0 + 160.0 * i, false);
+    scan.run = 1;
+    memory.observe(scan);
+  }
+  memory.close_day();
+  EXPECT_NEAR(share_of_box(memory, 1), std::exp2(-32000.0 / kDay_s / 3.0), 0.04);
+}
+
+TEST(DayLevels, ReadStatesOfBeforeClocksThatWereSetBackWereKnown) {
+  TimescaleMemory memory(with_daily_and_weekly());
+  spend_day(memory, 0, 100, true);
+  TimescaleMemory::NodeState node = memory.node_state(0);
+  const std::vector<std::byte> today = node.levels.back();
+  node.levels.back().resize(today.size() - sizeof(std::uint64_t));  // their number, none
+  const std::vector<TimescaleMemory::NodeState> nodes{node};
+  EXPECT_EQ(TimescaleMemory::restore(memory.head_state(), nodes, "test").state(), memory.state());
+}
+
 TEST(DayLevels, GoOnFromTheirStateInTheMiddleOfADay) {
   TimescaleMemory memory(with_daily_and_weekly(), 7);
   spend_day(memory, 0, 100, true);
