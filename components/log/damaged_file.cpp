@@ -64,6 +64,14 @@ fs::path set_aside(const fs::path& file, const Disk& disk) {
   return aside;
 }
 
+InputError other_frame(const fs::path& file, const fs::path& aside) {
+  return {file.string(),
+          "was learned in another map frame: where the robot is now it shows something else, at "
+          "several places; it was set aside as '" +
+              aside.string() + "', and is gone on without",
+          "keep the stores of a scan matcher and of who learns in its map together"};
+}
+
 bool is_set_aside(const fs::path& path) {
   return path.filename().string().find(kDamagedMark) != std::string::npos;
 }

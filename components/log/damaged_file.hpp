@@ -17,6 +17,11 @@ namespace strata::log {
 /// afterwards. No other program may have it open. Returns the new path. Throws OutputError.
 std::filesystem::path set_aside(const std::filesystem::path& file, const Disk& disk = real_disk());
 
+/// What is told of a map or memory that was set aside since it is not of the frame that poses come
+/// in (FrameWatch).
+[[nodiscard]] InputError other_frame(const std::filesystem::path& file,
+                                     const std::filesystem::path& aside);
+
 /// Whether a file was set aside by set_aside, or belongs to one that was.
 [[nodiscard]] bool is_set_aside(const std::filesystem::path& path);
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "components/convert/scan_messages.hpp"
+#include "components/log/damaged_file.hpp"
 #include "components/log/kept_file.hpp"
 #include "components/log/stored_bytes.hpp"
 #include "components/log/writable_place.hpp"
@@ -28,6 +29,8 @@ constexpr std::size_t kMaxReadAtOnce = 50;
 /// After publishing for t, nothing is published for so many t: at most a twentieth of a core.
 constexpr int kRestsAWork = 19;
 
+/// So long after a start nothing is saved while it is open whether the store is of another frame.
+constexpr std::chrono::seconds kLongestDoubt(20);
 /// As many damaged nodes are told of one by one: a store may have thousands.
 constexpr std::uint64_t kMaxToldNodes = 5;
 
@@ -93,6 +96,39 @@ void TimescaleMemory::open_store() {
     file_ = std::move(file);
   };
   if (!restored(config_.store, open)) open();
+  frame_.reset();
+  const std::size_t nodes = memory_->nodes().size();
+  if (nodes > 0) frame_.emplace(memory::StoredPlaces(nodes));
+}
+
+void TimescaleMemory::check_frame(const PosedScan& scan) {
+  const FrameLook look = frame_->places.agreement(*memory_, config_.decoding, scan);
+  switch (frame_->watch.add(scan.map_from_laser().translation(), look)) {
+    case FrameWatch::Verdict::kOpen:
+      return;
+    case FrameWatch::Verdict::kSame:
+      frame_.reset();
+      return;
+    case FrameWatch::Verdict::kOther:
+      begin_anew();
+  }
+}
+
+void TimescaleMemory::begin_anew() {
+  // What was learned since the start is of the other frame, and the scans go on coming.
+  file_.reset();
+  memory_.reset();
+  decoded_.reset();
+  frame_.reset();
+  guarded([this] {  // where it cannot be set aside, it stays, and is gone on in RAM only
+    warn(log::other_frame(config_.store, log::set_aside(config_.store)));
+    open_store();
+  });
+  if (!memory_) memory_.emplace(config_.timescale, context().seed);
+}
+
+bool TimescaleMemory::may_save() const {
+  return !frame_ || std::chrono::steady_clock::now() - frame_->since > kLongestDoubt;
 }
 
 void TimescaleMemory::on_diagnose(runtime::Health& health) const {
@@ -105,7 +141,7 @@ void TimescaleMemory::on_diagnose(runtime::Health& health) const {
 }
 
 void TimescaleMemory::on_tick() {
-  if (file_) file_->save(*memory_, false);
+  if (file_ && may_save()) file_->save(*memory_, false);
 }
 
 void TimescaleMemory::on_deactivate() {
@@ -128,6 +164,7 @@ void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message, int 
   // Robots that share a memory count their runs each for itself: only the clock is common.
   if (!config_.robots.empty()) scan.run = 0;
   (void)blind_beams(scan, never_learned_);
+  if (frame_) check_frame(scan);
   try {
     memory_->observe(scan, nullptr, robot);
   } catch (const DamageError& error) {  // the next scan makes another node there
@@ -202,6 +239,7 @@ void TimescaleMemory::on_finish(const std::filesystem::path& out_dir) {
 void TimescaleMemory::on_cleanup() {
   memory_.reset();
   decoded_.reset();
+  frame_.reset();
   poses_.clear();
   never_learned_ = Grid<std::uint8_t>(kZoneCell_m, CellRect{}, 0);
   damaged_nodes_ = 0;

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/bus/text_message.hpp"
@@ -18,7 +19,9 @@
 #include "components/timescale_memory/config.hpp"
 #include "components/timescale_memory/memory_file.hpp"
 #include "core/base/damage.hpp"
+#include "core/grid/frame_watch.hpp"
 #include "core/grid/grid.hpp"
+#include "memory/nodes/stored_places.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
 namespace strata::timescale_memory {
@@ -33,6 +36,12 @@ class TimescaleMemory final : public runtime::Component {
   using Component::Component;
 
  private:
+  struct FrameCheck {
+    explicit FrameCheck(memory::StoredPlaces stored) : places(std::move(stored)) {}
+    memory::StoredPlaces places;
+    FrameWatch watch;
+    std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();
+  };
   void on_declare() override { declare_parameters<TimescaleMemoryConfig>(); }
   void on_configure() override;
   void on_cleanup() override;
@@ -42,6 +51,11 @@ class TimescaleMemory final : public runtime::Component {
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_diagnose(runtime::Health& health) const override;
   void open_store();
+  /// Whether the store is of the frame that scans come in.
+  void check_frame(const PosedScan& scan);
+  /// Sets the store aside, which is not.
+  void begin_anew();
+  [[nodiscard]] bool may_save() const;
   void on_scan(const strata_msgs::msg::LabeledScan& message, int robot = 0);
   [[nodiscard]] bool is_time_to_publish(Stamp stamp);
   /// A node that was found to be damaged: counted, and told of.
@@ -59,6 +73,7 @@ class TimescaleMemory final : public runtime::Component {
   std::map<int, runtime::PoseWatch> poses_;                       // by robot
   Grid<std::uint8_t> never_learned_{kZoneCell_m, CellRect{}, 0};  // cells with 1
   std::shared_ptr<const memory::NodeMap> decoded_;
+  std::optional<FrameCheck> frame_;  ///< while it is open, with what a store held
   std::uint64_t damaged_nodes_ = 0;  ///< passed over
   std::optional<Stamp> last_published_;
   std::optional<Stamp> last_changes_;

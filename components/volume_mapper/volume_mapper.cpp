@@ -32,6 +32,7 @@ std::vector<volume::Rgb> unpacked(const std::vector<std::uint32_t>& rgb) {
 
 void VolumeMapper::on_configure() {
   config_ = read_parameters<VolumeMapperConfig>();
+  frame_.reset();
   keep_live(config_, {"publish_period_s", "leave_out_moving"});
   map_.emplace(first_map());
   colors_.reset();
@@ -76,7 +77,7 @@ void VolumeMapper::on_activate() {
 
 void VolumeMapper::on_tick() {
   const std::chrono::duration<double> since = std::chrono::steady_clock::now() - kept_;
-  if (since.count() >= config_.store_period_s) keep();
+  if (since.count() >= config_.store_period_s && may_keep()) keep();
   if (held_back_ && publishing_.is_due(std::chrono::steady_clock::now()))
     publish_map_of(*held_back_);
 }
@@ -181,6 +182,7 @@ bool VolumeMapper::find_poses(Waiting& waiting) const {
 }
 
 void VolumeMapper::enter(const volume::Cloud& cloud) {
+  if (frame_) check_frame(cloud);
   std::vector<std::uint8_t> is_dynamic;
   if (config_.leave_out_moving && !moving_.empty()) {
     is_dynamic = volume::DynamicBoxes(config_.boxes, moving_).label(cloud);
@@ -258,6 +260,8 @@ void VolumeMapper::on_diagnose(runtime::Health& health) const {
 }
 
 void VolumeMapper::on_cleanup() {
+  frame_.reset();
+  is_store_foreign_ = false;
   map_.reset();
   colors_.reset();
   levels_.reset();

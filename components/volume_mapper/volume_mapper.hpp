@@ -17,6 +17,7 @@
 #include "components/volume_mapper/share_of_time.hpp"
 #include "components/volume_mapper/told_health.hpp"
 #include "core/volume/point_colors.hpp"
+#include "core/volume/stored_columns.hpp"
 #include "core/volume/volume_map.hpp"
 
 namespace strata::volume_mapper {
@@ -38,6 +39,11 @@ class VolumeMapper final : public runtime::Component {
     std::string frame;
     std::vector<float> offset_s;  ///< of each point; empty: unknown, or not asked for
     Stamp last;                   ///< when its last point was measured
+  };
+  struct FrameCheck {
+    volume::StoredColumns columns;
+    FrameWatch watch;
+    std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();
   };
   void on_declare() override { declare_parameters<VolumeMapperConfig>(); }
   void on_configure() override;
@@ -69,6 +75,11 @@ class VolumeMapper final : public runtime::Component {
   [[nodiscard]] bool has_colors() const { return colors_ && !colors_->is_empty(); }
   /// Beside the store.
   [[nodiscard]] std::filesystem::path color_store() const;
+  /// Whether the store is of the frame that poses come in.
+  void check_frame(const volume::Cloud& cloud);
+  /// Sets the store aside, which is not.
+  void begin_anew();
+  [[nodiscard]] bool may_keep() const;
   /// Writes the map to the store when it has changed.
   void keep();
 
@@ -82,7 +93,9 @@ class VolumeMapper final : public runtime::Component {
   std::vector<volume::DynamicPoint> moving_;
   volume::CloudCounts counts_;
   std::size_t clouds_ = 0;
-  std::size_t kept_clouds_ = 0;  ///< as of the last write to the store
+  std::optional<FrameCheck> frame_;  ///< while it is open, with what a store held
+  bool is_store_foreign_ = false;    ///< of another frame, and could not be set aside
+  std::size_t kept_clouds_ = 0;      ///< as of the last write to the store
   std::chrono::steady_clock::time_point kept_;
   std::size_t without_pose_ = 0;
   std::size_t not_localized_ = 0;   ///< clouds that were passed over
