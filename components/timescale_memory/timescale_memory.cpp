@@ -29,7 +29,7 @@ constexpr std::size_t kMaxReadAtOnce = 50;
 /// After publishing for t, nothing is published for so many t: at most a twentieth of a core.
 constexpr int kRestsAWork = 19;
 
-/// So long after a start nothing is saved while it is open whether the store is of another frame.
+/// So long after a start nothing is saved while the store may be of another frame.
 constexpr std::chrono::seconds kLongestDoubt(20);
 /// As many damaged nodes are told of one by one: a store may have thousands.
 constexpr std::uint64_t kMaxToldNodes = 5;
@@ -128,7 +128,8 @@ void TimescaleMemory::begin_anew() {
 }
 
 bool TimescaleMemory::may_save() const {
-  return !frame_ || std::chrono::steady_clock::now() - frame_->since > kLongestDoubt;
+  return !frame_ || !frame_->watch.is_in_doubt() ||
+         std::chrono::steady_clock::now() - frame_->since > kLongestDoubt;
 }
 
 void TimescaleMemory::on_diagnose(runtime::Health& health) const {

@@ -12,7 +12,7 @@
 namespace strata::volume_mapper {
 namespace {
 
-/// So long after a start nothing is written while it is open whether the store is of another frame.
+/// So long after a start nothing is written while it may be of another frame.
 constexpr std::chrono::seconds kLongestDoubt(20);
 
 }  // namespace
@@ -74,7 +74,8 @@ void VolumeMapper::begin_anew() {
 }
 
 bool VolumeMapper::may_keep() const {
-  return !frame_ || std::chrono::steady_clock::now() - frame_->since > kLongestDoubt;
+  return !frame_ || !frame_->watch.is_in_doubt() ||
+         std::chrono::steady_clock::now() - frame_->since > kLongestDoubt;
 }
 
 void VolumeMapper::keep() {

@@ -39,6 +39,9 @@ class FrameWatch {
     return verdict_;
   }
 
+  /// It is open, and what is known of some place has not been seen there so far.
+  [[nodiscard]] bool is_in_doubt() const { return is_in_doubt_; }
+
  private:
   struct Place {
     Eigen::Vector2d at_m;
@@ -61,12 +64,15 @@ class FrameWatch {
       ++places;
       sum += share;
     }
+    is_in_doubt_ = verdict_ == Verdict::kOpen && places > 0;
     if (verdict_ != Verdict::kOpen || places < kPlaces) return;
+    is_in_doubt_ = false;
     verdict_ = sum / static_cast<double>(places) < kOther ? Verdict::kOther : Verdict::kSame;
   }
 
   std::vector<Place> places_;
   Verdict verdict_ = Verdict::kOpen;
+  bool is_in_doubt_ = false;
 };
 
 }  // namespace strata

@@ -28,6 +28,17 @@ TEST(FrameWatch, TakesFourPlacesThatDoNotForAnother) {
   EXPECT_EQ(watch.add({9.0, 3.0}, {20, 100}), Verdict::kOther);
 }
 
+TEST(FrameWatch, IsInDoubtFromTheFirstPlaceThatDoesNotAgreeUntilItKnows) {
+  FrameWatch watch;
+  EXPECT_FALSE(watch.is_in_doubt());
+  (void)watch.add({0.0, 0.0}, {0, 49});
+  EXPECT_FALSE(watch.is_in_doubt());
+  (void)watch.add({0.0, 0.0}, {0, 49});
+  EXPECT_TRUE(watch.is_in_doubt());
+  (void)watch.add({5.0, 0.0}, {90, 100});
+  EXPECT_FALSE(watch.is_in_doubt());
+}
+
 TEST(FrameWatch, LeavesItOpenWhileARobotStandsWhereMuchWasMoved) {
   FrameWatch watch;
   for (int i = 0; i < 1000; ++i) {
