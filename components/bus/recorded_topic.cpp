@@ -2,6 +2,7 @@
 #include "components/bus/recorded_topic.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -31,6 +32,19 @@ QosProfile qos_to_record(const PublishedTopic& published) {
   qos.transient_local = published.transient_local;  // the laser's mounting was sent long ago
   qos.depth = kDepth;
   return qos;
+}
+
+Stamp wall_now() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return {std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
+}
+
+Stamp stamp_to_record(Stamp written, bool is_latched, Stamp now) {
+  constexpr Duration kLatched{1'000'000'000};    // longer than it takes to come, and to be taken
+  constexpr Duration kOthers{60'000'000'000};    // longer than one waits for a slow disk
+  const Duration tolerance = is_latched ? kLatched : kOthers;
+  const bool is_recent = now - tolerance <= written && written <= now + tolerance;
+  return is_recent ? written : now;
 }
 
 namespace {

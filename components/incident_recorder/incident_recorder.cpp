@@ -20,12 +20,6 @@ namespace {
 
 constexpr double kBytesPerMb = 1e6;
 
-std::int64_t unix_now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 IncidentRecorder::Clock::duration seconds(double value) {
   return std::chrono::duration_cast<IncidentRecorder::Clock::duration>(
       std::chrono::duration<double>(value));
@@ -117,8 +111,10 @@ void IncidentRecorder::watch(const std::string& topic, const bus::PublishedTopic
 
 void IncidentRecorder::take(const std::shared_ptr<const KeptTopic>& topic,
                             const bus::RawMessage& message) {
-  const auto kept = std::make_shared<const KeptMessage>(KeptMessage{
-      topic, message.identity.writer, Stamp{message.source_stamp_ns}, Clock::now(), message.cdr});
+  const Stamp stamp = bus::stamp_to_record(Stamp{message.source_stamp_ns}, topic->is_latched,
+                                           bus::wall_now());
+  const auto kept = std::make_shared<const KeptMessage>(
+      KeptMessage{topic, message.identity.writer, stamp, Clock::now(), message.cdr});
   ring_->add(kept);
   if (incident_) incident_->add(kept);
   if (topic->name.ends_with(kRestorePoint)) restore_points_[topic->name] = kept;
@@ -163,7 +159,7 @@ void IncidentRecorder::begin(const IncidentReason& reason) {
   }
   ring_->forget(now);
   IncidentRecord record;
-  record.at_ns = unix_now_ns();
+  record.at_ns = bus::wall_now().ns;
   record.folder = free_name(config_.out, record.at_ns, reason.kind);
   record.reasons = {reason};
   record.before_s = config_.before_s;

@@ -29,7 +29,7 @@ struct KeptTopic {
 struct KeptMessage {
   std::shared_ptr<const KeptTopic> topic;
   bus::Guid writer;
-  Stamp stamp;  ///< when it was written, by the writer's clock
+  Stamp stamp;  ///< bus::stamp_to_record
   std::chrono::steady_clock::time_point came;
   std::vector<std::uint8_t> cdr;
 };

@@ -15,8 +15,6 @@ namespace strata::recorder {
 namespace {
 
 constexpr auto kFlushPeriod = std::chrono::milliseconds(500);
-/// Latched messages of one topic that are held in a pause, at most.
-constexpr int kMaxHeld = 1000;
 
 log::BagOptions bag_options(const RecorderConfig& config) {
   log::BagOptions options;
@@ -110,28 +108,6 @@ void Recorder::serve() {
   });
 }
 
-void Recorder::take_paused(bool paused) {
-  const bool goes_on = config_.paused && !paused;
-  config_.paused = paused;
-  for (auto& [topic, recorded] : recorded_) recorded.known_writers.clear();  // many may come and go
-  // While it rests, the bag is complete.
-  if (goes_on && state() == runtime::LifecycleState::kActive) write_held();
-}
-
-/// As if they came now, by their writers' clocks: with their own stamps, those that came early in a
-/// pause would stand alone there, and a player would wait for what follows.
-void Recorder::write_held() {
-  const auto now = std::chrono::steady_clock::now();
-  std::map<std::string, Stamp> last;  // by topic: they stay in order
-  for (const Held& held : std::exchange(held_, {})) {
-    const std::chrono::nanoseconds kept = now - held.since;
-    Stamp& stamp = last.try_emplace(held.topic, Stamp{held.message.source_stamp_ns}).first->second;
-    stamp = std::max(stamp, Stamp{held.message.source_stamp_ns + kept.count()});
-    // Each by itself: a full disk ends neither the process nor the attempt with the others.
-    guarded([&] { write(held.topic, held.message, stamp); });
-  }
-}
-
 void Recorder::on_activate() {
   if (!config_.paused) write_held();
 }
@@ -174,83 +150,18 @@ void Recorder::write_bag(const std::function<void()>& write) {
   if (problem && !(was_stuck && gap.lasts)) throw *problem;
 }
 
-std::map<std::string, bus::PublishedTopic> Recorder::topics_to_record() const {
-  return bus::topics_to_record(*context().participant, full_name(), config_.topics);
-}
-
-void Recorder::record_what_is_published() {
-  const auto topics = topics_to_record();
-  unreadable_.keep_only(topics);
-  for (const auto& [topic, published] : topics) {
-    if (unreadable_.read(topic, published, [&] { record(topic, published); })) {
-      place_of(topic, &published);
-    } else {
-      misses_more_ = true;
-      is_whole_ = false;
-    }
-  }
-}
-
-void Recorder::record(const std::string& topic, const bus::PublishedTopic& published) {
-  const auto [entry, is_new] = recorded_.try_emplace(topic, Recorded{published.type});
-  entry->second.latched = entry->second.latched || published.transient_local;
-  if (!is_new) return;
-  try {
-    subscribe_raw(topic, published.type, bus::qos_to_record(published),
-                  [this, topic](const bus::RawMessage& message) { take(topic, message); },
-                  {.latched_depth = std::max(1, config_.latched_depth)});
-  } catch (...) {
-    recorded_.erase(entry);  // it may be tried again
-    throw;
-  }
-}
-
-std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTopic* offered) {
-  Recorded& recorded = recorded_.at(topic);
-  if (!recorded.place && bag_) {
-    log::BagTopic entry{topic, recorded.type};
-    if (offered != nullptr) {
-      entry.offered_qos_profiles = bus::offered_qos_text(*offered);
-      entry.type_hash = bus::offered_type_hash(*offered);
-    }
-    recorded.place = bag_->add_topic(entry);
-  }
-  return recorded.place.value_or(0);
-}
-
 void Recorder::take(const std::string& topic, const bus::RawMessage& message) {
   if (!config_.paused) {
-    write(topic, message, log_time_.value_or(Stamp{message.source_stamp_ns}));
+    write(topic, message, stamp_of(topic, message));
   } else if (is_latched(topic, message.identity.writer)) {
     hold(topic, message);
   }
 }
 
-bool Recorder::is_latched(const std::string& topic, const bus::Guid& writer) {
-  Recorded& recorded = recorded_.at(topic);
-  // When its reading began, nobody may have published it yet. Asked once a writer: it takes long.
-  if (recorded.latched || recorded.known_writers.contains(writer)) return recorded.latched;
-  const auto published = context().participant->published_topics();
-  if (const auto found = published.find(topic); found != published.end()) {
-    recorded.latched = found->second.transient_local;
-    recorded.known_writers.insert(writer);
-  }
-  return recorded.latched;
-}
-
-/// A writer's last ones, as it keeps them for who comes late; how many that are it does not tell.
-void Recorder::hold(const std::string& topic, const bus::RawMessage& message) {
-  held_.push_back({topic, message, std::chrono::steady_clock::now()});
-  const auto drop_first = [&](std::size_t most, const auto& is_alike) {
-    const auto count = std::count_if(held_.begin(), held_.end(), is_alike);
-    if (static_cast<std::size_t>(count) <= most) return;
-    held_.erase(std::find_if(held_.begin(), held_.end(), is_alike));
-  };
-  drop_first(static_cast<std::size_t>(config_.latched_depth), [&](const Held& held) {
-    return held.topic == topic && held.message.identity.writer == message.identity.writer;
-  });
-  // Writers may come and go for as long as the pause lasts.
-  drop_first(kMaxHeld, [&](const Held& held) { return held.topic == topic; });
+Stamp Recorder::stamp_of(const std::string& topic, const bus::RawMessage& message) const {
+  const Stamp written{message.source_stamp_ns};
+  if (lockstep()) return log_time_.value_or(written);
+  return bus::stamp_to_record(written, recorded_.at(topic).latched, bus::wall_now());
 }
 
 void Recorder::write(const std::string& topic, const bus::RawMessage& message, Stamp stamp) {

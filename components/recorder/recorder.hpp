@@ -21,11 +21,12 @@
 namespace strata::recorder {
 
 /// Reads as the writers that are there offer: reliably when all do, latched messages too;
-/// losslessly in lockstep. Messages are stamped with when they were written, in lockstep with the
-/// log's time from /clock. Latched ones that came during a pause are written after it, as if they
-/// had come then. Deactivating completes the bag; activating again goes on in another file
-/// of it, configuring again in another folder beside it. What came more than a second ago survives
-/// the end of the process by whatever cause. When the disk is full, it goes on in another file of
+/// losslessly in lockstep. Messages are stamped as bus::stamp_to_record says: with when they were
+/// written, old latched ones with when they came; in lockstep with the log's time from /clock.
+/// Latched ones that came during a pause are written after it, as if they had come then.
+/// Deactivating completes the bag; activating again goes on in another file of it, configuring
+/// again in another folder beside it. What came more than a second ago survives the end of the
+/// process by whatever cause. When the disk is full, it goes on in another file of
 /// the bag as soon as there is room again. Controlled as rosbag2's recorder, by services ~/pause,
 /// ~/resume, ~/is_paused and ~/split_bagfile, and by the parameter `paused`.
 class Recorder final : public runtime::Component {
@@ -46,7 +47,6 @@ class Recorder final : public runtime::Component {
   struct Held {
     std::string topic;
     bus::RawMessage message;
-    std::chrono::steady_clock::time_point since;
   };
 
   void on_declare() override { declare_parameters<RecorderConfig>(); }
@@ -58,17 +58,21 @@ class Recorder final : public runtime::Component {
   void on_diagnose(runtime::Health& health) const override;
   /// Offers the services.
   void serve();
-  void take_paused(bool paused);
+  // Which topics are read, and how (recorder_topics.cpp).
   [[nodiscard]] std::map<std::string, bus::PublishedTopic> topics_to_record() const;
   /// What of it can be read.
   void record_what_is_published();
   void record(const std::string& topic, const bus::PublishedTopic& published);
   void take(const std::string& topic, const bus::RawMessage& message);
-  /// While paused, for a message of that writer.
+  [[nodiscard]] Stamp stamp_of(const std::string& topic, const bus::RawMessage& message) const;
+  // While it is paused (recorder_pause.cpp).
+  void take_paused(bool paused);
+  /// For a message of that writer.
   [[nodiscard]] bool is_latched(const std::string& topic, const bus::Guid& writer);
   /// Keeps a latched message until the recording goes on.
   void hold(const std::string& topic, const bus::RawMessage& message);
   void write_held();
+
   void write(const std::string& topic, const bus::RawMessage& message, Stamp stamp);
   /// Runs what writes into the bag. A disk that is full is told when that begins and when it is
   /// over, not with every message that is lost meanwhile.

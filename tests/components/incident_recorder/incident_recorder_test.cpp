@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Incidents of a live robot: what is kept, when, and what disks and kills do to it.
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <numeric>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "components/bus/recorded_topic.hpp"
 #include "tests/components/incident_recorder/incident_recorder_fixture.hpp"
 
 namespace strata::incident_recorder {
@@ -53,6 +56,21 @@ TEST_F(IncidentRecorderTest, KeepsWhatIsLatchedThoughItIsOlder) {
   const auto scans = scans_in(records[0].folder);
   EXPECT_EQ(scans.at("/latched"), std::vector<int>{1000});
   EXPECT_FALSE(scans.contains("/scan"));
+}
+
+TEST_F(IncidentRecorderTest, StampsWhatIsLatchedAndOldWithWhenItCame) {
+  latched_.publish(numbered(1000));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  const Stamp started = bus::wall_now();
+  start(", before_s: 1000.0, after_s: 0.0");
+  settle();
+  ASSERT_TRUE(ask().success());
+  const auto records = wait_for(1);
+  ASSERT_THAT(records, SizeIs(1));
+  const auto bag = log::BagReader::open(records[0].folder);
+  log::BagMessage first;
+  ASSERT_TRUE(bag->next(first));
+  EXPECT_GE(first.stamp.ns, started.ns) << "a player must not wait for what comes next";
 }
 
 TEST_F(IncidentRecorderTest, KeepsTheMapsThatALocalizerUsesUnlessThatIsOff) {

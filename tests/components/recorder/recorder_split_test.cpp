@@ -68,16 +68,22 @@ TEST_P(RecorderOverTime, BeginsNoOtherFileForWhatIsOldWhenItComes) {
   map.publish(numbered(1));
   std::this_thread::sleep_for(kSplit + std::chrono::milliseconds(100));
   const auto host = make(", split_s: 5.0, topics: [/map, /scan]");
+  const std::int64_t configured_ns = now_ns();
   host->activate();
-  ASSERT_TRUE(test::comes_true([&] {  // the map is recorded, with its stamp
+  ASSERT_TRUE(test::comes_true([&] {  // the map is recorded
     return host->components().front()->counts().processed == 1;
   }));
   for (const int number : {2, 3}) scans.publish(numbered(number));
   host->stop();
-  const YAML::Node files =
-      YAML::LoadFile((bag() / "metadata.yaml").string())["rosbag2_bagfile_information"]["files"];
+  const YAML::Node info =
+      YAML::LoadFile((bag() / "metadata.yaml").string())["rosbag2_bagfile_information"];
+  const YAML::Node files = info["files"];
   ASSERT_EQ(files.size(), 1U);
   EXPECT_EQ(files[0]["message_count"].as<int>(), 3);
+  // What is latched stands where the recording begins, not where it was published: a player waits
+  // between stamps.
+  EXPECT_GE(info["starting_time"]["nanoseconds_since_epoch"].as<std::int64_t>(), configured_ns);
+  EXPECT_LT(info["duration"]["nanoseconds"].as<std::int64_t>(), 2'000'000'000);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RecorderOverTime,

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which topics a recorder reads, and how.
+#include <algorithm>
+
+#include "components/bus/recorded_topic.hpp"
+#include "components/recorder/recorder.hpp"
+
+namespace strata::recorder {
+
+std::map<std::string, bus::PublishedTopic> Recorder::topics_to_record() const {
+  return bus::topics_to_record(*context().participant, full_name(), config_.topics);
+}
+
+void Recorder::record_what_is_published() {
+  const auto topics = topics_to_record();
+  unreadable_.keep_only(topics);
+  for (const auto& [topic, published] : topics) {
+    if (unreadable_.read(topic, published, [&] { record(topic, published); })) {
+      place_of(topic, &published);
+    } else {
+      misses_more_ = true;
+      is_whole_ = false;
+    }
+  }
+}
+
+void Recorder::record(const std::string& topic, const bus::PublishedTopic& published) {
+  const auto [entry, is_new] = recorded_.try_emplace(topic, Recorded{published.type});
+  entry->second.latched = entry->second.latched || published.transient_local;
+  if (!is_new) return;
+  try {
+    subscribe_raw(topic, published.type, bus::qos_to_record(published),
+                  [this, topic](const bus::RawMessage& message) { take(topic, message); },
+                  {.latched_depth = std::max(1, config_.latched_depth)});
+  } catch (...) {
+    recorded_.erase(entry);  // it may be tried again
+    throw;
+  }
+}
+
+std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTopic* offered) {
+  Recorded& recorded = recorded_.at(topic);
+  if (!recorded.place && bag_) {
+    log::BagTopic entry{topic, recorded.type};
+    if (offered != nullptr) {
+      entry.offered_qos_profiles = bus::offered_qos_text(*offered);
+      entry.type_hash = bus::offered_type_hash(*offered);
+    }
+    recorded.place = bag_->add_topic(entry);
+  }
+  return recorded.place.value_or(0);
+}
+
+}  // namespace strata::recorder
