@@ -15,6 +15,8 @@ namespace strata::recorder {
 namespace {
 
 constexpr auto kFlushPeriod = std::chrono::milliseconds(500);
+/// Whose messages are numbered, of one topic; writers may come and go.
+constexpr std::size_t kMaxWriters = 1000;
 
 log::BagOptions bag_options(const RecorderConfig& config) {
   log::BagOptions options;
@@ -47,7 +49,9 @@ std::filesystem::path free_folder(const RecorderConfig& config, bool may_number)
 void Recorder::on_configure() {
   config_ = read_parameters<RecorderConfig>();
   recorded_.clear();
+  unpublished_.clear();
   log_time_.reset();
+  dropped_before_ = counts().dropped;
   // Configured again, it finds its own bag there; another's is left alone.
   const std::filesystem::path out = normal_form(config_.out);
   const bool may_number = config_.number_if_exists || context().own_folders->contains(out);
@@ -70,6 +74,7 @@ void Recorder::on_configure() {
     const std::size_t colon = topic.find(':');
     const std::string type = colon == std::string::npos ? "" : topic.substr(colon + 1);
     topic = resolve(topic.substr(0, colon));
+    unpublished_.insert(topic);
     if (type.empty()) continue;
     const auto found = published.find(topic);
     const bool is_offered = found != published.end() && found->second.type == type;
@@ -109,10 +114,15 @@ void Recorder::serve() {
 }
 
 void Recorder::on_activate() {
+  waits_since_ = std::chrono::steady_clock::now();
   if (!config_.paused) write_held();
 }
 
 void Recorder::on_tick() {
+  if (missed() > 0) {
+    judge_whole();
+    if (told_missed_ == 0) tell_missed();
+  }
   try {
     record_what_is_published();
   } catch (...) {
@@ -137,8 +147,8 @@ void Recorder::write_bag(const std::function<void()>& write) {
     is_whole_ = false;
     throw;
   }
+  judge_whole();
   const log::BagGap gap = bag_->gap();
-  is_whole_ = !misses_more_ && !gap.lasts && gap.lost == 0;
   const bool was_stuck = std::exchange(is_stuck_, gap.lasts);
   if (was_stuck && !gap.lasts) {
     const std::size_t lost = gap.lost - std::exchange(told_lost_, gap.lost);
@@ -150,7 +160,15 @@ void Recorder::write_bag(const std::function<void()>& write) {
   if (problem && !(was_stuck && gap.lasts)) throw *problem;
 }
 
+void Recorder::judge_whole() {
+  const log::BagGap gap = bag_ ? bag_->gap() : log::BagGap();
+  is_whole_ = !misses_more_ && !gap.lasts && gap.lost == 0 && missed() == 0;
+}
+
 void Recorder::take(const std::string& topic, const bus::RawMessage& message) {
+  Recorded& recorded = recorded_.at(topic);
+  if (!std::exchange(recorded.has_come, true)) unpublished_.erase(topic);
+  count_missed(recorded, message.identity);
   if (!config_.paused) {
     write(topic, message, stamp_of(topic, message));
   } else if (is_latched(topic, message.identity.writer)) {
@@ -178,8 +196,37 @@ void Recorder::write(const std::string& topic, const bus::RawMessage& message, S
   write_bag([&] { bag_->write(*recorded.place, stamp, message.cdr, at); });
 }
 
+/// Each message that did not wait any more has left a gap in its writer's numbers. On a network
+/// that loses messages there are more gaps than that.
+void Recorder::count_missed(Recorded& recorded, const bus::SampleIdentity& identity) {
+  if (recorded.last_numbers.size() > kMaxWriters) recorded.last_numbers.clear();
+  const std::int64_t number = identity.sequence_number;
+  std::int64_t& last = recorded.last_numbers.try_emplace(identity.writer, number - 1).first->second;
+  const std::int64_t gap = number - std::exchange(last, number) - 1;
+  if (gap <= 0) return;
+  const std::uint64_t explained = std::min(static_cast<std::uint64_t>(gap), missed() - explained_);
+  explained_ += explained;
+  recorded.missed += explained;
+}
+
+void Recorder::tell_missed() {
+  told_missed_ = missed();
+  std::string by_topic;
+  for (const auto& [topic, recorded] : recorded_) {
+    if (recorded.missed == 0) continue;
+    by_topic += (by_topic.empty() ? " (" : ", ") + topic + ": " + std::to_string(recorded.missed);
+  }
+  tell(OutputError(config_.out,
+                   "lacks " + std::to_string(told_missed_) +
+                       " messages, which came faster than they could be written" + by_topic +
+                       (by_topic.empty() ? "" : ")"),
+                   "name fewer --topics, or record onto a faster disk"));
+}
+
 void Recorder::on_deactivate() {
   if (!bag_) return;
+  if (missed() > told_missed_) tell_missed();
+  for (const auto& [topic, published] : topics_to_record()) unpublished_.erase(topic);
   is_whole_ = false;
   bag_->close();
   write_bag([] {});  // tells what was lost before
@@ -188,6 +235,7 @@ void Recorder::on_deactivate() {
 void Recorder::on_diagnose(runtime::Health& health) const {
   if (!bag_) return;
   unreadable_.tell(health);
+  if (!unpublished_.empty()) health.warn("nobody publishes " + unpublished());
   const log::BagGap gap = bag_->gap();
   if (gap.lasts) health.fail(config_.out + ": cannot be written; free some space");
   health.add("lost on a full disk", static_cast<std::uint64_t>(gap.lost));
@@ -202,6 +250,10 @@ void Recorder::on_cleanup() {
   misses_more_ = false;
   is_whole_ = true;
   told_lost_ = 0;
+  waits_since_.reset();
+  explained_ = 0;
+  told_missed_ = 0;
+  dropped_before_ = counts().dropped;
 }
 
 }  // namespace strata::recorder

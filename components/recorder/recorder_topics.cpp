@@ -6,6 +6,16 @@
 #include "components/recorder/recorder.hpp"
 
 namespace strata::recorder {
+namespace {
+
+/// So long a topic that is named may take to be published.
+constexpr auto kPatience = std::chrono::seconds(5);
+
+void add(const std::string& name, std::string& names) {
+  names += (names.empty() ? "" : ", ") + name;
+}
+
+}  // namespace
 
 std::map<std::string, bus::PublishedTopic> Recorder::topics_to_record() const {
   return bus::topics_to_record(*context().participant, full_name(), config_.topics);
@@ -15,6 +25,7 @@ void Recorder::record_what_is_published() {
   const auto topics = topics_to_record();
   unreadable_.keep_only(topics);
   for (const auto& [topic, published] : topics) {
+    unpublished_.erase(topic);
     if (unreadable_.read(topic, published, [&] { record(topic, published); })) {
       place_of(topic, &published);
     } else {
@@ -22,6 +33,30 @@ void Recorder::record_what_is_published() {
       is_whole_ = false;
     }
   }
+  tell_unpublished();
+}
+
+void Recorder::tell_unpublished() {
+  const bool is_due = waits_since_ && std::chrono::steady_clock::now() - *waits_since_ > kPatience;
+  if (!is_due) return;
+  waits_since_.reset();
+  if (!unpublished_.empty()) tell_line("nobody publishes " + unpublished());
+}
+
+std::string Recorder::unpublished() const {
+  std::string names;
+  for (const std::string& topic : unpublished_) add(topic, names);
+  return names;
+}
+
+std::string Recorder::silent() const {
+  std::string names;
+  for (const std::string& topic : config_.topics) {
+    const auto found = recorded_.find(topic);
+    const bool has_come = found != recorded_.end() && found->second.has_come;
+    if (!has_come && !unpublished_.contains(topic)) add(topic, names);
+  }
+  return names;
 }
 
 void Recorder::record(const std::string& topic, const bus::PublishedTopic& published) {

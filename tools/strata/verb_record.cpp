@@ -48,11 +48,15 @@ void record(const RecordOptions& options, VerbContext& context) {
   host.activate();
   context.interrupt().set_grace(std::chrono::duration<double>(kStopPatience).count());
   context.note("recording into " + options.out + "; Ctrl-C ends it");
-  std::string first_error;
+  std::string first_error;  // that costs the bag something, where one does
+  bool is_told = false;
   const auto tell_errors = [&] {
     for (const std::string& error : host.take_errors()) {
       context.note("warning: " + error);
-      if (first_error.empty()) first_error = error;
+      if (first_error.empty() || !is_told) {
+        first_error = error;
+        is_told = !recorder.is_whole();
+      }
     }
   };
   while (!context.interrupt().wait_for(0.1)) {
@@ -62,8 +66,15 @@ void record(const RecordOptions& options, VerbContext& context) {
   host.components().front()->deactivate();
   tell_errors();  // the bag's last chunk and its index are written at the end
   const bool is_whole = recorder.is_whole();
+  const std::string unpublished = recorder.unpublished();
+  const std::string silent = recorder.silent();
   host.stop();
+  if (!silent.empty()) context.note("note: nothing came of " + silent);
   if (!is_whole) throw OutputError(options.out, first_error, "then record again");
+  if (!unpublished.empty()) {
+    throw OutputError(options.out, "lacks what nobody published: " + unpublished,
+                      "name topics as `strata doctor` lists them");
+  }
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Where `strata record` looks: where ROS 2's variables say, as `strata run` does.
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,7 +13,10 @@
 #include "components/bus/endpoint.hpp"
 #include "tests/components/bus/domain.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/support/test_data.hpp"
+
+namespace fs = std::filesystem;
 
 namespace strata::tools {
 namespace {
@@ -34,9 +39,21 @@ class RecordEnvironment : public testing::Test {
   }
   /// Records from a talker on the loopback interface.
   void expect_meets_loopback(test::ChildProcess& recorder) const {
-    const bus::RawWriter talker(test::make_participant(), "/scan", "sensor_msgs/msg/LaserScan",
-                                bus::qos_profile("sensor_data"));
-    EXPECT_TRUE(talker.wait_for_readers(1, kPatience));
+    EXPECT_NE(recorder.wait_for_line("recording into", kPatience), "");
+    const auto bytes = [this] {  // SQLite writes beside its file first
+      std::uintmax_t sum = 0;
+      for (const auto& entry : fs::directory_iterator(folder_.path() / "bag")) {
+        sum += entry.file_size();
+      }
+      return sum;
+    };
+    const auto before = bytes();
+    bus::Writer<sensor_msgs::msg::LaserScan> talker(test::make_participant(), "/scan",
+                                                    bus::qos_profile("sensor_data"));
+    EXPECT_TRUE(test::comes_true([&] {
+      talker.publish({});
+      return bytes() > before;
+    }));
     recorder.send(SIGINT);
     EXPECT_EQ(recorder.wait(), 0) << recorder.rest();
   }
@@ -66,7 +83,7 @@ TEST_F(RecordEnvironment, SaysThatItHearsNobodyWhereTheRangeIsOff) {
               testing::HasSubstr("ROS_AUTOMATIC_DISCOVERY_RANGE=OFF"));
   ASSERT_NE(recorder->wait_for_line("recording into", kPatience), "");
   recorder->send(SIGINT);
-  EXPECT_EQ(recorder->wait(), 0);
+  EXPECT_EQ(recorder->wait(), 1) << "it lacks what it was asked for";
   EXPECT_EQ(recorder->rest().find(kHearsNobody), std::string::npos) << "said twice";
 }
 
@@ -74,6 +91,15 @@ TEST_F(RecordEnvironment, SaysRangePeersAndRelease) {
   expect_error("ROS_AUTOMATIC_DISCOVERY_RANGE=MOON", "ROS_AUTOMATIC_DISCOVERY_RANGE: is 'MOON'");
   expect_error("ROS_STATIC_PEERS=robot one", "static peer 'robot one': has no IPv4 address");
   expect_error("ROS_DISTRO=jazy", "ROS_DISTRO: unknown ROS 2 release 'jazy'");
+}
+
+TEST_F(RecordEnvironment, WhereNobodyPublishesATopicIsToldAndFails) {
+  const auto recorder = record({}, {"/nothing", "--transport", "loopback"});
+  ASSERT_NE(recorder->wait_for_line("recording into", kPatience), "");
+  recorder->send(SIGINT);
+  EXPECT_EQ(recorder->wait(), 1);
+  EXPECT_THAT(recorder->rest(),
+              testing::HasSubstr("lacks what nobody published: /nothing, /scan; name topics"));
 }
 
 }  // namespace
