@@ -19,11 +19,18 @@ constexpr auto kSameWish = std::chrono::seconds(1);
 /// The grace time may grow while it runs, so that it is looked at again and again.
 constexpr timespec kLookAgain = {0, 50'000'000};
 
+bool is_ignored(int signal) {
+  struct sigaction action {};
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 sigset_t watched_signals() {
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
+  // The terminal is gone. Who ignores it from the start (nohup) is to stay.
+  if (!is_ignored(SIGHUP)) sigaddset(&set, SIGHUP);
   sigaddset(&set, kWakeSignal);
   return set;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Ctrl-C and SIGTERM, turned into a flag that long work looks at.
+/// Ctrl-C, SIGTERM and SIGHUP, turned into a flag that long work looks at.
 #pragma once
 
 #include <atomic>
@@ -12,12 +12,13 @@
 
 namespace strata::tools {
 
-/// Takes SIGINT and SIGTERM for the whole process: create one, first thing in main, before any
-/// other thread. When a signal comes and the program has not ended `grace_s` later, `on_overdue` is
-/// called (to remove half-written output) and the process ends with exit code 1, so that a piece of
-/// work that forgot to look at the flag cannot keep the user waiting. The same signal again cuts
-/// the grace time short, unless it belongs to the first: `timeout` and terminals send two at once.
-/// Another one does not: `ros2 launch` sends SIGINT and, 5 s later, SIGTERM.
+/// Takes SIGINT, SIGTERM and, unless it is ignored, SIGHUP for the whole process: create one, first
+/// thing in main, before any other thread. When a signal comes and the program has not ended
+/// `grace_s` later, `on_overdue` is called (to remove half-written output) and the process ends
+/// with exit code 1, so that a piece of work that forgot to look at the flag cannot keep the user
+/// waiting. The same signal again cuts the grace time short, unless it belongs to the first:
+/// `timeout` and terminals send two at once. Another one does not: `ros2 launch` sends SIGINT and,
+/// 5 s later, SIGTERM.
 class Interrupt {
  public:
   enum class Overdue {

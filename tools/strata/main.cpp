@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata VERB`: reads the command line, runs one verb, turns errors into one line and an exit
 /// code: 0 done, 1 failed while running, 2 bad usage or bad input.
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -90,6 +91,8 @@ const char* what_overdue_means(Interrupt::Overdue why) {
 }
 
 int run(int argc, char** argv) {
+  // Who read what it says may be gone (`| tee log`): that is no reason to end unsaved.
+  (void)std::signal(SIGPIPE, SIG_IGN);
   StagedPaths staged;  // outlives the watcher of signals, which may empty it to the last
   Interrupt interrupt;
   interrupt.set_on_overdue([&staged](Interrupt::Overdue why) {

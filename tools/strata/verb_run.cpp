@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// `strata run COMPOSITION.yaml`: starts the components over DDS until SIGINT or SIGTERM.
+/// `strata run COMPOSITION.yaml`: starts the components over DDS until SIGINT, SIGTERM or SIGHUP.
 #include <chrono>
 #include <memory>
 #include <string>
@@ -253,10 +253,12 @@ void add_run(CLI::App& app, VerbContext& context) {
           Supervision(*options, context, composition).run();
         }
       });
-  verb->footer("Ctrl-C or SIGTERM ends it: components write what they have learned, for " +
-               std::to_string(kStopPatience.count()) +
-               " s at most. The same\nsignal again, a second or more later, ends it at once.\n" +
-               verb->get_footer());
+  verb->footer(
+      "Ctrl-C, SIGTERM or the end of its terminal (SIGHUP, unless under nohup) ends it:\n"
+      "components write what they have learned, for " +
+      std::to_string(kStopPatience.count()) +
+      " s at most. The same signal again,\na second or more later, ends it at once.\n" +
+      verb->get_footer());
   verb->add_option("composition", options->composition, "composition file")->required();
   verb->get_option("--set")->description(kCompositionSetHelp);
   verb->get_option("--config")->description(kCompositionConfigHelp);
