@@ -142,11 +142,14 @@ void add_peers_and_group(const std::vector<std::string>& peers, dds::DomainParti
   qos.wire_protocol().builtin.initialPeersList.push_back(ipv4_locator("239.255.0.1"));
 }
 
-void use_discovery_server(const std::string& servers, dds::DomainParticipantQos& qos) {
+/// As a client that is told of everybody: a plain one hears of the endpoints that match its own, so
+/// that what looks at the whole domain (recorders, the live view, the doctor) would find nothing.
+void use_discovery_server(const std::string& named, dds::DomainParticipantQos& qos) {
   use_udp(qos);
+  // Fast DDS would read the variable itself, and make a plain client.
+  const char* variable = std::getenv("ROS_DISCOVERY_SERVER");
+  const std::string servers = named.empty() && variable != nullptr ? variable : named;
   if (servers.empty()) {
-    // Fast DDS itself reads the variable; without it we would silently multicast.
-    if (std::getenv("ROS_DISCOVERY_SERVER") != nullptr) return;
     throw ConfigError("transport", "discovery_server needs the address of a server",
                       "write discovery_server: HOST:PORT, or set ROS_DISCOVERY_SERVER=HOST:PORT");
   }
@@ -157,11 +160,12 @@ void use_discovery_server(const std::string& servers, dds::DomainParticipantQos&
     return server.template requires_transport<LOCATOR_KIND_UDPv4>();
   });
   if (!is_list || list.empty() || !has_addresses) {
-    throw ConfigError("discovery_server", "'" + servers + "' is no list of servers that are found",
+    throw ConfigError(named.empty() ? "ROS_DISCOVERY_SERVER" : "discovery_server",
+                      "'" + servers + "' is no list of servers that are found",
                       "write IPv4 addresses or host names, as 10.0.0.5:11811, with ';' between");
   }
   // With another protocol than the simple one Fast DDS leaves the variable alone.
-  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
+  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::SUPER_CLIENT;
 }
 
 void use_transport(const ParticipantOptions& options, dds::DomainParticipantQos& qos) {

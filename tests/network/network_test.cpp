@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Two and three hosts that see each other through a network only, good or bad.
 #include <chrono>
+#include <csignal>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,7 +10,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "components/log/bag.hpp"
 #include "tests/network/network_fixture.hpp"
+#include "tests/support/comes_true.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace fs = std::filesystem;
 
 namespace strata::test {
 namespace {
@@ -125,23 +132,55 @@ TEST_F(Network, FindsARobotAgainWhoseLinkWasDown) {
   EXPECT_THAT(client->wait_for_line("map", kPatience), HasSubstr("map 11 "));
 }
 
-TEST_F(Network, MeetsAtADiscoveryServer) {
-  STRATA_MAKE_HOSTS(3);
-  const std::string where = "ROS_DISCOVERY_SERVER=" + VirtualNetwork::address(0) + ":11811";
-  const auto server = network_->run(
-      0, {"fastdds", "discovery", "-i", "0", "-l", VirtualNetwork::address(0), "-p", "11811"});
-  ASSERT_NE(server->wait_for_line("### Server is running ###"), "");
-  const auto start = [&](std::size_t host, const std::vector<std::string>& arguments) {
-    std::vector<std::string> command = {STRATA_NETWORK_PEER, "discovery_server"};
-    command.insert(command.end(), arguments.begin(), arguments.end());
-    return network_->run(host, command, {where});
-  };
-  const auto talker = start(1, {"map", "10"});
-  const auto listener = start(2, {"get-map"});
+class NetworkWithAServer : public Network {
+ protected:
+  /// Three hosts, and a server on the first.
+  void make_server() {
+    make(3);
+    if (IsSkipped()) return;
+    server_ = network_->run(
+        0, {"fastdds", "discovery", "-i", "0", "-l", VirtualNetwork::address(0), "-p", "11811"});
+    ASSERT_NE(server_->wait_for_line("### Server is running ###"), "");
+  }
+  [[nodiscard]] std::unique_ptr<ChildProcess> start(std::size_t host,
+                                                    const std::vector<std::string>& command) const {
+    return network_->run(host, command,
+                         {"ROS_DISCOVERY_SERVER=" + VirtualNetwork::address(0) + ":11811"});
+  }
+
+  std::unique_ptr<ChildProcess> server_;
+};
+
+TEST_F(NetworkWithAServer, MeetsThere) {
+  make_server();
+  if (IsSkipped()) return;
+  const auto talker = start(1, {STRATA_NETWORK_PEER, "discovery_server", "map", "10"});
+  const auto listener = start(2, {STRATA_NETWORK_PEER, "discovery_server", "get-map"});
   EXPECT_THAT(listener->wait_for_line("map", kPatience), HasSubstr("map 10 "));
   // Whoever does not ask the server does not see them.
   const auto stranger = peer(2, {"get-map"});
   EXPECT_EQ(stranger->wait_for_line("map", seconds(1)), "");
+}
+
+TEST_F(NetworkWithAServer, FindsTopicsThatItHasNoPartIn) {
+  make_server();
+  if (IsSkipped()) return;
+  const TemporaryDirectory folder;
+  const fs::path bag = folder.path() / "bag";
+  const auto talker = start(1, {STRATA_NETWORK_PEER, "discovery_server", "map", "10"});
+  const auto recorder =
+      start(2, {STRATA_PROGRAM, "record", "--out", bag.string(), "--topics", "/map"});
+  ASSERT_NE(recorder->wait_for_line("recording into", kPatience), "");
+  const auto recorded = [&] {
+    const auto reader = log::BagReader::open(bag);
+    log::BagMessage message;
+    return reader->next(message);
+  };
+  EXPECT_TRUE(comes_true(recorded));
+  recorder->send(SIGINT);
+  EXPECT_EQ(recorder->wait(), 0) << recorder->rest();
+  EXPECT_THAT(start(2, {STRATA_PROGRAM, "doctor", "--json", "--seconds", "5"})->rest(),
+              HasSubstr("\"/map\""));
 }
 
 TEST_F(Network, ReachesAStaticPeerWithoutMulticast) {

@@ -128,7 +128,13 @@ TEST_F(Environment, OfADiscoveryServerNeedsOne) {
   EXPECT_THROW((void)participant_qos(options), ConfigError);
   set("ROS_DISCOVERY_SERVER", "127.0.0.1:11811");
   EXPECT_EQ(options_from_environment().transport, Transport::kDiscoveryServer);
-  EXPECT_NO_THROW((void)participant_qos(options));
+  const auto qos = participant_qos(options);
+  const auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  EXPECT_EQ(discovery.discoveryProtocol, rtps::DiscoveryProtocol_t::SUPER_CLIENT)
+      << "Fast DDS itself would make a client that is told of what matches";
+  EXPECT_THAT(discovery.m_DiscoveryServers, SizeIs(1));
+  set("ROS_DISCOVERY_SERVER", "no server");
+  EXPECT_THROW((void)participant_qos(options), ConfigError);
 }
 
 TEST_F(Environment, NeedsADiscoveryServerThatIsFound) {
@@ -137,7 +143,7 @@ TEST_F(Environment, NeedsADiscoveryServerThatIsFound) {
   options.discovery_server = "127.0.0.1:11811;localhost:11812";
   const auto qos = participant_qos(options);
   const auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  EXPECT_EQ(discovery.discoveryProtocol, rtps::DiscoveryProtocol_t::CLIENT);
+  EXPECT_EQ(discovery.discoveryProtocol, rtps::DiscoveryProtocol_t::SUPER_CLIENT);
   EXPECT_THAT(discovery.m_DiscoveryServers, SizeIs(2));
   for (const char* servers : {"robot one:11811", "10.0.0.1:port", ";"}) {
     options.discovery_server = servers;
