@@ -15,6 +15,7 @@ struct IncidentTriggerConfig {
   bool on_recovery = true;
   bool on_error = true;
   double score_below = 0.3;
+  std::vector<std::string> sources = {};
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("on_lost", c.on_lost, {.doc = "a localizer's verdict becomes lost"});
@@ -28,6 +29,10 @@ struct IncidentTriggerConfig {
             {.doc = "a localization score falls below this, after it was well above; 0: never",
              .min = 0.0,
              .max = 1.0});
+    v.field("sources", c.sources,
+            {.doc = "nodes (localizer, robot1/localizer) and namespaces (robot1) whose statuses "
+                    "begin incidents; empty: all, of a recorder in a namespace all but nodes in "
+                    "others, where robots share one /diagnostics"});
   }
 };
 

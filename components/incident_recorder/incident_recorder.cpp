@@ -25,6 +25,11 @@ IncidentRecorder::Clock::duration seconds(double value) {
       std::chrono::duration<double>(value));
 }
 
+/// "robot1/" of "/robot1/incidents"; empty where there is none.
+std::string namespace_of(const std::string& full_name) {
+  return full_name.substr(1, full_name.rfind('/'));
+}
+
 /// The topic of a localizer's restore points, below its name
 /// (components/localizer/restore_point.hpp).
 constexpr const char* kRestorePoint = "/_restore_point";
@@ -49,7 +54,10 @@ void IncidentRecorder::on_configure() {
   topics_kept_.clear();
   ring_.emplace(std::chrono::duration<double>(config_.before_s),
                 static_cast<std::size_t>(config_.memory_mb * kBytesPerMb));
-  triggers_.emplace(config_.when);
+  diagnostics_ = resolve(runtime::kDiagnosticsTopic);
+  // What has a name of its own for it is one robot's.
+  const bool is_shared = diagnostics_ == runtime::kDiagnosticsTopic;
+  triggers_.emplace(config_.when, is_shared ? namespace_of(full_name()) : "");
   incidents_ = 0;
   rests_until_ = {};
   if (lockstep()) return;
@@ -75,8 +83,7 @@ void IncidentRecorder::on_configure() {
     return response;
   });
   for (std::string& topic : config_.topics) topic = resolve(topic);
-  watch(runtime::kDiagnosticsTopic,
-        {bus::MessageType<diagnostic_msgs::msg::DiagnosticArray>::name, true, false});
+  watch(diagnostics_, {bus::MessageType<diagnostic_msgs::msg::DiagnosticArray>::name, true, false});
   // That this process cannot read what it writes itself is its composition's fault.
   for (const auto& [topic, published] : topics_to_keep()) {
     if (published.is_own) watch(topic, published);
@@ -111,19 +118,19 @@ void IncidentRecorder::watch(const std::string& topic, const bus::PublishedTopic
 
 void IncidentRecorder::take(const std::shared_ptr<const KeptTopic>& topic,
                             const bus::RawMessage& message) {
-  const Stamp stamp = bus::stamp_to_record(Stamp{message.source_stamp_ns}, topic->is_latched,
-                                           bus::wall_now());
+  const Stamp stamp =
+      bus::stamp_to_record(Stamp{message.source_stamp_ns}, topic->is_latched, bus::wall_now());
   const auto kept = std::make_shared<const KeptMessage>(
       KeptMessage{topic, message.identity.writer, stamp, Clock::now(), message.cdr});
   ring_->add(kept);
   if (incident_) incident_->add(kept);
   if (topic->name.ends_with(kRestorePoint)) restore_points_[topic->name] = kept;
-  if (topic->name == runtime::kDiagnosticsTopic) judge(message);
+  if (topic->name == diagnostics_) judge(message);
 }
 
 void IncidentRecorder::judge(const bus::RawMessage& message) {
-  const auto told = convert::from_cdr<diagnostic_msgs::msg::DiagnosticArray>(
-      message.cdr, runtime::kDiagnosticsTopic);
+  const auto told =
+      convert::from_cdr<diagnostic_msgs::msg::DiagnosticArray>(message.cdr, diagnostics_);
   const std::string own = full_name().substr(1) + ": ";
   for (const auto& status : told.status()) {
     if (status.name().starts_with(own)) continue;  // its own trouble is no incident of the robot

@@ -53,6 +53,7 @@ class IncidentRecorder final : public runtime::Component {
   void settle();
 
   IncidentRecorderConfig config_;
+  std::string diagnostics_;                           ///< the topic, as it is remapped
   std::map<std::string, std::shared_ptr<const KeptTopic>> topics_kept_;
   runtime::UnreadableTopics unreadable_{[this](const std::string& line) { tell_line(line); }};
   std::optional<MessageRing> ring_;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/incident_recorder/incident_triggers.hpp"
 
+#include <algorithm>
+#include <string_view>
+
 #include "components/log/text.hpp"
 #include "components/runtime/diagnostics.hpp"
 #include "core/localization/recovery.hpp"
@@ -13,11 +16,29 @@ using localization::HealthState;
 constexpr const char* kLost = enum_name(HealthState::kLost);
 constexpr const char* kOutdated = enum_name(HealthState::kMapOutdated);
 
+std::string_view without_slash(std::string_view name) {
+  return name.starts_with('/') ? name.substr(1) : name;
+}
+
 std::string value_of(const diagnostic_msgs::msg::DiagnosticStatus& status, const char* key) {
   return std::string(runtime::value_of(status, key));
 }
 
 }  // namespace
+
+bool IncidentTriggers::wants(const std::string& name) const {
+  const std::string_view node = without_slash(std::string_view(name).substr(0, name.find(':')));
+  const auto is_it = [&](std::string_view source) {
+    source = without_slash(source);
+    return node.starts_with(source) &&
+           (node.size() == source.size() || source.ends_with('/') || node[source.size()] == '/');
+  };
+  if (!config_.sources.empty()) {
+    return std::any_of(config_.sources.begin(), config_.sources.end(), is_it);
+  }
+  const bool has_namespace = node.find('/') != std::string_view::npos;  // drivers' often have none
+  return own_namespace_.empty() || !has_namespace || is_it(own_namespace_);
+}
 
 bool IncidentTriggers::falls(Source& source, const std::string& score) const {
   const auto value = log::parse_double(score);
@@ -31,6 +52,7 @@ bool IncidentTriggers::falls(Source& source, const std::string& score) const {
 std::optional<IncidentReason> IncidentTriggers::take(
     const diagnostic_msgs::msg::DiagnosticStatus& status) {
   const std::string& name = status.name();
+  if (!wants(name)) return std::nullopt;
   const bool is_known = sources_.contains(name);
   if (!is_known && sources_.size() >= kMaxSources) return std::nullopt;
   Source& source = sources_[name];

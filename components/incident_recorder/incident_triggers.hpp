@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "components/bus/message_types.hpp"
 #include "components/incident_recorder/config.hpp"
@@ -25,7 +26,13 @@ struct IncidentReason {
 class IncidentTriggers {
  public:
   static constexpr std::size_t kMaxSources = 1000;
-  explicit IncidentTriggers(const IncidentTriggerConfig& config) : config_(config) {}
+  /// own_namespace: "robot1/", of the recorder; empty: none.
+  explicit IncidentTriggers(IncidentTriggerConfig config, std::string own_namespace = "")
+      : config_(std::move(config)), own_namespace_(std::move(own_namespace)) {}
+
+  /// Whether a status of that name is listened to: those of `sources` or, where that is empty, all
+  /// but those of nodes in other namespaces than the recorder's, if it has one.
+  [[nodiscard]] bool wants(const std::string& name) const;
 
   /// What began with this status, the worst of several. A score arms when it is closer to 1 than
   /// to the threshold, so that one that wavers about it begins one incident.
@@ -41,6 +48,7 @@ class IncidentTriggers {
   };
   [[nodiscard]] bool falls(Source& source, const std::string& score) const;
   IncidentTriggerConfig config_;
+  std::string own_namespace_;
   std::map<std::string, Source> sources_;
 };
 

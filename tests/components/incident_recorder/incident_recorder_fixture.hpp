@@ -42,13 +42,15 @@ inline DiagnosticArray told(const std::string& verdict) {
 
 class IncidentRecorderTest : public testing::Test {
  protected:
+  /// entry: what else the composition says of it.
   void start(const std::string& parameters,
-             const std::shared_ptr<bus::Participant>& participant = test::make_participant()) {
+             const std::shared_ptr<bus::Participant>& participant = test::make_participant(),
+             const std::string& entry = "") {
     runtime::Registry registry;
     register_component(registry);
     host_ =
         test::make_host("{type: strata::IncidentRecorder, name: incidents, parameters: {out: '" +
-                            out().string() + "'" + parameters + "}}",
+                            out().string() + "'" + parameters + "}" + entry + "}",
                         registry, participant);
     host_->activate();
     const auto is_read = [](const bus::RawWriter& writer) {

@@ -73,6 +73,20 @@ TEST_F(IncidentRecorderTest, StampsWhatIsLatchedAndOldWithWhenItCame) {
   EXPECT_GE(first.stamp.ns, started.ns) << "a player must not wait for what comes next";
 }
 
+TEST_F(IncidentRecorderTest, BeginsWhereDiagnosticsHaveAnotherName) {
+  bus::Writer<DiagnosticArray> own(participant_, "/robot1/diagnostics",
+                                   bus::qos_profile("default"));
+  start(", before_s: 1000.0, after_s: 0.0", test::make_participant(),
+        ", namespace: /robot1, remappings: {/diagnostics: diagnostics}");
+  tell("lost");  // another robot's, on /diagnostics
+  settle();
+  EXPECT_THAT(read_records(out()), IsEmpty());
+  for (const char* verdict : {"good", "lost"}) own.publish(told(verdict));
+  const auto records = wait_for(1);
+  ASSERT_THAT(records, SizeIs(1));
+  EXPECT_EQ(records[0].reasons[0].kind, "lost");
+}
+
 TEST_F(IncidentRecorderTest, KeepsTheMapsThatALocalizerUsesUnlessThatIsOff) {
   const std::filesystem::path maps = folder_.path() / "maps";
   std::filesystem::create_directories(maps);

@@ -112,5 +112,33 @@ TEST(IncidentTriggers, SourcesWithoutEndTakeNoMemory) {
   EXPECT_EQ(kind(triggers.take(status("source 1999", 2))), "none");
 }
 
+TEST(IncidentTriggers, ListenToTheirOwnRobotWhereSeveralShareATopic) {
+  const IncidentTriggers everybody({});
+  const IncidentTriggers own({}, "robot1/");
+  const IncidentTriggers named({.sources = {"/localizer", "robot2", "arm/"}}, "robot1/");
+  const auto wanted = [&](const std::string& name) {
+    std::string by;
+    if (everybody.wants(name)) by += "everybody ";
+    if (own.wants(name)) by += "own ";
+    if (named.wants(name)) by += "named ";
+    return by;
+  };
+  EXPECT_EQ(wanted("robot1/localizer: health"), "everybody own ");
+  EXPECT_EQ(wanted("robot2/localizer: health"), "everybody named ");
+  EXPECT_EQ(wanted("robot2: battery"), "everybody own named ") << "drivers tell no namespace";
+  EXPECT_EQ(wanted("robot21/localizer: health"), "everybody ");
+  EXPECT_EQ(wanted("localizer: health"), "everybody own named ");
+  EXPECT_EQ(wanted("arm/wrist: health"), "everybody named ");
+}
+
+TEST(IncidentTriggers, OfAnotherRobotBeginNothing) {
+  IncidentTriggers triggers({}, "robot1/");
+  for (const std::uint8_t level : {0, 2}) {
+    EXPECT_EQ(kind(triggers.take(status("robot2/localizer: health", level))), "none");
+  }
+  (void)triggers.take(status("robot1/localizer: health", 0));
+  EXPECT_EQ(kind(triggers.take(status("robot1/localizer: health", 2))), "error");
+}
+
 }  // namespace
 }  // namespace strata::incident_recorder
