@@ -25,6 +25,11 @@ IncidentRecorder::Clock::duration seconds(double value) {
       std::chrono::duration<double>(value));
 }
 
+KeptTopic kept_topic(const std::string& topic, const bus::PublishedTopic& published) {
+  return {topic, published.type, bus::offered_qos_text(published), published.transient_local,
+          bus::offered_type_hash(published)};
+}
+
 /// "robot1/" of "/robot1/incidents"; empty where there is none.
 std::string namespace_of(const std::string& full_name) {
   return full_name.substr(1, full_name.rfind('/'));
@@ -51,7 +56,7 @@ std::string maps_of(const KeptMessage& restore_point) {
 
 void IncidentRecorder::on_configure() {
   config_ = read_parameters<IncidentRecorderConfig>();
-  topics_kept_.clear();
+  watched_.clear();
   ring_.emplace(std::chrono::duration<double>(config_.before_s),
                 static_cast<std::size_t>(config_.memory_mb * kBytesPerMb));
   diagnostics_ = resolve(runtime::kDiagnosticsTopic);
@@ -100,20 +105,32 @@ void IncidentRecorder::watch_topics() {
   const auto topics = topics_to_keep();
   unreadable_.keep_only(topics);
   for (const auto& [topic, published] : topics) {
-    if (topics_kept_.contains(topic)) continue;
     (void)unreadable_.read(topic, published, [&] { watch(topic, published); });
   }
 }
 
 void IncidentRecorder::watch(const std::string& topic, const bus::PublishedTopic& published) {
-  if (topics_kept_.contains(topic)) return;
-  const auto kept = std::make_shared<const KeptTopic>(
-      KeptTopic{topic, published.type, bus::offered_qos_text(published), published.transient_local,
-                bus::offered_type_hash(published)});
-  subscribe_raw(topic, published.type, bus::qos_to_record(published),
+  if (!watched_.contains(topic)) begin_watching(topic, published);
+  bus::SecondReader& second = watched_.at(topic);
+  if (!second.is_needed(published)) return;
+  auto kept = kept_topic(topic, published);
+  kept.is_latched = false;
+  const auto take_others = [this, topic, kept = std::make_shared<const KeptTopic>(kept)](
+                               const bus::RawMessage& message) {
+    if (watched_.at(topic).takes(message.identity.writer)) take(kept, message);
+  };
+  subscribe_raw(topic, published.type, second.qos(), take_others, {.at_ticks = true});
+  second.begin();
+}
+
+void IncidentRecorder::begin_watching(const std::string& topic,
+                                      const bus::PublishedTopic& published) {
+  const bus::QosProfile qos = bus::qos_to_record(published);
+  const auto kept = std::make_shared<const KeptTopic>(kept_topic(topic, published));
+  subscribe_raw(topic, published.type, qos,
                 [this, kept](const bus::RawMessage& message) { take(kept, message); },
                 {.at_ticks = true, .latched_depth = 1});
-  topics_kept_[topic] = kept;
+  watched_.try_emplace(topic, context().participant, topic, qos);
 }
 
 void IncidentRecorder::take(const std::shared_ptr<const KeptTopic>& topic,
@@ -210,7 +227,7 @@ void IncidentRecorder::on_deactivate() {
 void IncidentRecorder::on_cleanup() {
   incident_.reset();
   next_.reset();
-  topics_kept_.clear();
+  watched_.clear();
   unreadable_.clear();
   restore_points_.clear();
   ring_.reset();

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "components/bus/participant.hpp"
+#include "components/bus/second_reader.hpp"
 #include "components/incident_recorder/config.hpp"
 #include "components/incident_recorder/incident.hpp"
 #include "components/incident_recorder/incident_triggers.hpp"
@@ -42,6 +43,7 @@ class IncidentRecorder final : public runtime::Component {
   /// Those that can be read.
   void watch_topics();
   void watch(const std::string& topic, const bus::PublishedTopic& published);
+  void begin_watching(const std::string& topic, const bus::PublishedTopic& published);
   void take(const std::shared_ptr<const KeptTopic>& topic, const bus::RawMessage& message);
   void judge(const bus::RawMessage& message);
   /// What is kept a copy of: keep_files, and the folders of maps that localizers use.
@@ -54,7 +56,7 @@ class IncidentRecorder final : public runtime::Component {
 
   IncidentRecorderConfig config_;
   std::string diagnostics_;                           ///< the topic, as it is remapped
-  std::map<std::string, std::shared_ptr<const KeptTopic>> topics_kept_;
+  std::map<std::string, bus::SecondReader> watched_;  ///< by topic; of later writers
   runtime::UnreadableTopics unreadable_{[this](const std::string& line) { tell_line(line); }};
   std::optional<MessageRing> ring_;
   std::map<std::string, KeptMessagePtr> restore_points_;  ///< the last of each topic

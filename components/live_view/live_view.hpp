@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "components/bus/second_reader.hpp"
 #include "components/live_view/config.hpp"
 #include "components/live_view/status_board.hpp"
 #include "components/live_view/view_hub.hpp"
@@ -51,6 +52,8 @@ class LiveView final : public runtime::Component {
   [[nodiscard]] bool has_room();
   void offer(const std::string& topic, const bus::PublishedTopic& published);
   void read_what_is_wanted();
+  void give(std::uint32_t channel, const bus::RawMessage& message);
+  void read_others(const std::string& topic, const bus::PublishedTopic& published);
   void perform(const ViewCommand& command);
   void decide_on_site(const ViewCommand& command);
   /// Calls a service of the robot on a thread of its own, and answers the viewer. call: returns the
@@ -63,6 +66,7 @@ class LiveView final : public runtime::Component {
     std::uint32_t channel = 0;  ///< 0: of a type not known
     bool latched = false;
     bool is_read = false;
+    std::optional<bus::SecondReader> second = {};      ///< once it is read, of later writers
     std::optional<Clock::time_point> gone_since = {};  ///< nobody has published it since
   };
   void give_up(std::map<std::string, Offered>::iterator topic);

@@ -33,7 +33,10 @@ void LiveView::offer_topics() {
   forget_writers();
   left_out_ = 0;
   for (const auto& [topic, published] : topics) {
-    if (offered_.contains(topic)) continue;
+    if (offered_.contains(topic)) {
+      read_others(topic, published);
+      continue;
+    }
     if (has_room()) {
       offer(topic, published);
     } else {
@@ -123,14 +126,33 @@ void LiveView::read_what_is_wanted() {
     qos.reliable = offered.latched;
     qos.transient_local = offered.latched;
     qos.depth = kDepth;
-    const auto give = [hub = hub_, channel = offered.channel](const bus::RawMessage& message) {
-      hub->publish(channel, std::make_shared<const ViewMessage>(
-                                ViewMessage{static_cast<std::uint64_t>(message.source_stamp_ns),
-                                            message.identity.writer, message.cdr}));
+    offered.second.emplace(context().participant, topic, qos);
+    const auto give = [this, channel = offered.channel](const bus::RawMessage& message) {
+      this->give(channel, message);
     };
     offered.is_read = unreadable_.read(
         topic, {offered.type, offered.latched, offered.latched},
         [&] { subscribe_raw(topic, offered.type, qos, give, {.latched_depth = 1}); });
+  }
+}
+
+void LiveView::give(std::uint32_t channel, const bus::RawMessage& message) {
+  hub_->publish(channel, std::make_shared<const ViewMessage>(
+                             ViewMessage{static_cast<std::uint64_t>(message.source_stamp_ns),
+                                         message.identity.writer, message.cdr}));
+}
+
+void LiveView::read_others(const std::string& topic, const bus::PublishedTopic& published) {
+  Offered& offered = offered_.at(topic);
+  if (!offered.is_read || !offered.second->is_needed(published)) return;
+  const auto take = [this, topic, channel = offered.channel](const bus::RawMessage& message) {
+    const auto found = offered_.find(topic);
+    if (found == offered_.end() || !found->second.second) return;
+    if (found->second.second->takes(message.identity.writer)) give(channel, message);
+  };
+  const bus::QosProfile qos = offered.second->qos();
+  if (unreadable_.read(topic, published, [&] { subscribe_raw(topic, offered.type, qos, take); })) {
+    offered.second->begin();
   }
 }
 

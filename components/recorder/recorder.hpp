@@ -14,6 +14,7 @@
 #include <set>
 #include <string>
 
+#include "components/bus/second_reader.hpp"
 #include "components/log/bag.hpp"
 #include "components/recorder/config.hpp"
 #include "components/runtime/component.hpp"
@@ -45,6 +46,7 @@ class Recorder final : public runtime::Component {
   /// A topic that is read; its place in the bag is given when its writers are known.
   struct Recorded {
     std::string type;
+    bus::SecondReader second;  ///< of later writers
     bool latched = false;
     std::map<bus::Guid, std::int64_t> last_numbers{};  ///< of messages taken, by writer
     std::uint64_t missed{};                            ///< this came too fast
@@ -71,6 +73,7 @@ class Recorder final : public runtime::Component {
   /// What of it can be read.
   void record_what_is_published();
   void record(const std::string& topic, const bus::PublishedTopic& published);
+  void begin_reading(const std::string& topic, const bus::PublishedTopic& published);
   /// Once a named topic has not been published for a while.
   void tell_unpublished();
 

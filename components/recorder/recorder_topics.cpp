@@ -60,11 +60,28 @@ std::string Recorder::silent() const {
 }
 
 void Recorder::record(const std::string& topic, const bus::PublishedTopic& published) {
-  const auto [entry, is_new] = recorded_.try_emplace(topic, Recorded{published.type});
-  entry->second.latched = entry->second.latched || published.transient_local;
-  if (!is_new) return;
+  if (!recorded_.contains(topic)) begin_reading(topic, published);
+  Recorded& recorded = recorded_.at(topic);
+  recorded.latched = recorded.latched || published.transient_local;
+  if (lockstep() || !recorded.second.is_needed(published)) return;
+  const auto take_others = [this, topic](const bus::RawMessage& message) {
+    // In a pause what is latched is kept, which these are not.
+    if (config_.paused || !recorded_.at(topic).second.takes(message.identity.writer)) return;
+    take(topic, message);
+  };
+  subscribe_raw(topic, published.type, recorded.second.qos(), take_others);
+  recorded.second.begin();
+}
+
+void Recorder::begin_reading(const std::string& topic, const bus::PublishedTopic& published) {
+  const bus::QosProfile qos = bus::qos_to_record(published);
+  const auto entry =
+      recorded_
+          .try_emplace(
+              topic, Recorded{published.type, bus::SecondReader(context().participant, topic, qos)})
+          .first;
   try {
-    subscribe_raw(topic, published.type, bus::qos_to_record(published),
+    subscribe_raw(topic, published.type, qos,
                   [this, topic](const bus::RawMessage& message) { take(topic, message); },
                   {.latched_depth = std::max(1, config_.latched_depth)});
   } catch (...) {

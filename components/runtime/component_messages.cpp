@@ -28,6 +28,9 @@ void Component::subscribe_raw(const std::string& full_topic, const std::string& 
                               Reception reception) {
   const auto subscription = std::make_shared<Subscription>();
   subscription->topic = full_topic;
+  const bool is_read = std::any_of(subscriptions_.begin(), subscriptions_.end(),
+                                   [&](const auto& other) { return other->topic == full_topic; });
+  subscription->label = is_read ? full_topic + " (of others)" : full_topic;
   TopicUse use{full_topic, type, qos, false};
   subscription->callback = std::move(callback);
   const bus::QosProfile used = lockstep() ? qos.lossless() : qos;

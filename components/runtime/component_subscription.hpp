@@ -20,6 +20,7 @@ namespace strata::runtime {
 
 struct Component::Subscription {
   std::string topic;
+  std::string label;      ///< the topic, for figures; of its second reader another
   std::size_t depth = 0;  // live: as many messages may wait; 0: all
   bool latched = false;
   bool until_active = false;      // live: messages wait until the component is active
@@ -69,10 +70,10 @@ struct Component::Subscription {
   /// On the mailbox.
   void tell(Health& health) {
     const std::lock_guard lock(mutex);
-    health.add("received " + topic, received);
-    health.add("lost " + topic, sequences.missing());
-    if (work_times.count() > 0) health.add("work times " + topic, work_times.text());
-    if (latencies.count() > 0) health.add("latencies " + topic, latencies.text());
+    health.add("received " + label, received);
+    health.add("lost " + label, sequences.missing());
+    if (work_times.count() > 0) health.add("work times " + label, work_times.text());
+    if (latencies.count() > 0) health.add("latencies " + label, latencies.text());
   }
 };
 

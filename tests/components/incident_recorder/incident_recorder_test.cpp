@@ -87,6 +87,27 @@ TEST_F(IncidentRecorderTest, BeginsWhereDiagnosticsHaveAnotherName) {
   EXPECT_EQ(records[0].reasons[0].kind, "lost");
 }
 
+TEST_F(IncidentRecorderTest, KeepsWritersThatComeLaterAndOfferLess) {
+  start(", before_s: 1000.0, after_s: 0.0");
+  bus::Writer<LaserScan> best_effort(participant_, "/scan", bus::qos_profile("sensor_data"));
+  bus::Writer<LaserScan> no_more_latched(participant_, "/latched", bus::qos_profile("default"));
+  ASSERT_TRUE(test::comes_true([&] {
+    host_->tick();
+    return best_effort.raw().matched() == 1 && no_more_latched.raw().matched() == 1;
+  }));
+  scans_.publish(numbered(1));
+  best_effort.publish(numbered(2));
+  latched_.publish(numbered(3));
+  no_more_latched.publish(numbered(4));
+  settle();
+  ASSERT_TRUE(ask().success());
+  const auto records = wait_for(1);
+  ASSERT_THAT(records, SizeIs(1));
+  const auto scans = scans_in(records[0].folder);
+  EXPECT_THAT(scans.at("/scan"), testing::UnorderedElementsAre(1, 2)) << "each once";
+  EXPECT_THAT(scans.at("/latched"), testing::UnorderedElementsAre(3, 4)) << "each once";
+}
+
 TEST_F(IncidentRecorderTest, KeepsTheMapsThatALocalizerUsesUnlessThatIsOff) {
   const std::filesystem::path maps = folder_.path() / "maps";
   std::filesystem::create_directories(maps);

@@ -61,6 +61,27 @@ TEST_F(LiveViewTest, GivesTwoViewersTheMapAndScansBitForBit) {
   }
 }
 
+TEST_F(LiveViewTest, ReadsAWriterOfALatchedTopicThatComesLaterAndLatchesNothing) {
+  maps_.publish(map());
+  test::WebClient viewer;
+  ASSERT_EQ(viewer.connect(port()), 101);
+  ASSERT_TRUE(viewer.subscribe(1, "/map"));
+  EXPECT_EQ(viewer.message_of(1), convert::to_cdr(map()));
+  bus::Writer<nav_msgs::msg::OccupancyGrid> later(robot_, std::string("/map"),
+                                                  bus::qos_profile("default"));
+  ASSERT_TRUE(later.raw().wait_for_readers(1, std::chrono::seconds(20)));
+  auto other = map();
+  other.data()[5] = 50;
+  later.publish(other);
+  EXPECT_EQ(viewer.message_of(1), convert::to_cdr(other));
+  other.data()[5] = 60;
+  maps_.publish(other);
+  EXPECT_EQ(viewer.message_of(1), convert::to_cdr(other));
+  other.data()[5] = 70;
+  later.publish(other);
+  EXPECT_EQ(viewer.message_of(1), convert::to_cdr(other)) << "each once";
+}
+
 TEST_F(LiveViewTest, AnswersMetricsOfEveryComponentOnTheDomain) {
   runtime::Diagnostics other(robot_, "/robot/localizer");
   const std::uint16_t at = port();

@@ -77,6 +77,36 @@ TEST_P(RecorderGaps, AreTopicsThatNobodyPublishedOrOfWhichNothingCame) {
   EXPECT_THAT(host->take_errors(), IsEmpty());
 }
 
+TEST_P(RecorderGaps, AreNoneOfWritersThatComeLaterAndOfferLess) {
+  auto reliable = writer("/scan", "default");
+  auto latched = writer("/map", "latched");
+  const auto host = make(", topics: [/scan, /map]");
+  host->activate();
+  auto best_effort = writer("/scan", "sensor_data");
+  auto no_more_latched = writer("/map", "default");
+  EXPECT_TRUE(test::comes_true([&] {
+    host->tick();
+    return best_effort.raw().matched() == 1 && no_more_latched.raw().matched() == 1;
+  }));
+  Messages sent;
+  for (int i = 0; i < 5; ++i) {
+    int number = 10 * i;
+    for (auto* each : {&reliable, &best_effort}) {
+      each->publish(numbered(++number));
+      sent["/scan"].push_back(convert::to_cdr(numbered(number)));
+      settle(*host);
+    }
+    for (auto* each : {&latched, &no_more_latched}) {
+      each->publish(numbered(++number));
+      sent["/map"].push_back(convert::to_cdr(numbered(number)));
+      settle(*host);
+    }
+  }
+  host->stop();
+  EXPECT_THAT(host->take_errors(), IsEmpty());
+  EXPECT_EQ(read_bag(bag()), sent) << "each once";
+}
+
 INSTANTIATE_TEST_SUITE_P(All, RecorderGaps,
                          testing::Values(Storage{"Sqlite3", "sqlite3", "SQLite schema 3"}),
                          [](const auto& each) { return std::string(each.param.name); });
