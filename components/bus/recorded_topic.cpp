@@ -40,8 +40,8 @@ Stamp wall_now() {
 }
 
 Stamp stamp_to_record(Stamp written, bool is_latched, Stamp now) {
-  constexpr Duration kLatched{1'000'000'000};    // longer than it takes to come, and to be taken
-  constexpr Duration kOthers{60'000'000'000};    // longer than one waits for a slow disk
+  constexpr Duration kLatched{1'000'000'000};  // longer than it takes to come, and to be taken
+  constexpr Duration kOthers{60'000'000'000};  // longer than one waits for a slow disk
   const Duration tolerance = is_latched ? kLatched : kOthers;
   const bool is_recent = now - tolerance <= written && written <= now + tolerance;
   return is_recent ? written : now;

@@ -31,10 +31,10 @@ enum class HiddenTopics { kLeftOut, kTaken };
 /// By this host's clock.
 [[nodiscard]] Stamp wall_now();
 
-/// The stamp of a message in a live recording: when it was written, by its writer's clock, or, where
-/// that is not about `now`, when it came, which is `now`. What is latched may have been written hours
-/// ago, and a player waits between stamps: for that a second is not recent. For others a minute is
-/// not: their writer tells no time, or has no clock that is set.
+/// The stamp of a message in a live recording: when it was written, by its writer's clock, or,
+/// where that is not about `now`, when it came, which is `now`. What is latched may have been
+/// written hours ago, and a player waits between stamps: for that a second is not recent. For
+/// others a minute is not: their writer tells no time, or has no clock that is set.
 [[nodiscard]] Stamp stamp_to_record(Stamp written, bool is_latched, Stamp now);
 
 /// rosbag2's text for the QoS profiles of all writers (`offered_qos_profiles`), with its numbers
