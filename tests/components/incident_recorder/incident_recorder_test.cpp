@@ -78,7 +78,7 @@ TEST_F(IncidentRecorderTest, BeginsWhereDiagnosticsHaveAnotherName) {
                                    bus::qos_profile("default"));
   start(", before_s: 1000.0, after_s: 0.0", test::make_participant(),
         ", namespace: /robot1, remappings: {/diagnostics: diagnostics}");
-  tell("lost");  // another robot's, on /diagnostics
+  tell("map_outdated");  // another robot's, on /diagnostics
   settle();
   EXPECT_THAT(read_records(out()), IsEmpty());
   for (const char* verdict : {"good", "lost"}) own.publish(told(verdict));
