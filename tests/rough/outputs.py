@@ -180,7 +180,8 @@ def with_more_runs(tries, material):
                       "--out", two], 1, "holds maps of 2 runs")
     tries.hold("the two runs are there", snapshot(two) == before)
     tries.strata_try("learn two runs over two", ["learn", log, log, "--out", two], 0)
-    tries.strata_try("learn on", ["learn", log, "--update", two, "--out", two], 0)
+    tries.strata_try("learn on, once more", ["learn", log, "--update", two, "--out", two], 0, "left out")
+    tries.strata_try("learn on", ["learn", log, "--update", two, "--out", two, "--again"], 0)
     tries.strata_try("learn from two over three",
                      ["learn", log, log, "--out", two], 1, "holds maps of 3 runs")
     tries.strata_try("learn one run over three, forced",

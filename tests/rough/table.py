@@ -239,7 +239,7 @@ def two_at_once(tries, material):
     material.make("learn", log, "--out", folder, "--quiet")
     names = [f"learn on at once, {i}" for i in range(4)]
     threads = [threading.Thread(target=tries.strata_try, args=(
-        name, ["learn", log, "--update", folder, "--out", folder], 0)) for name in names]
+        name, ["learn", log, "--update", folder, "--out", folder, "--again"], 0)) for name in names]
     for thread in threads:
         thread.start()
     for thread in threads:

@@ -113,7 +113,7 @@ std::vector<std::string> leave_out_repeated(pipeline::Runs& runs,
     const std::optional<int> same = run.empty() ? std::nullopt : repeated_run(before, run);
     if (same) {
       warn(context, logs[log] + " is what run " + std::to_string(*same) +
-                        " was learned from: it is left out, or it would count twice (--force: it "
+                        " was learned from: it is left out, or it would count twice (--again: it "
                         "does)");
       std::fill(gone.begin() + static_cast<std::ptrdiff_t>(begin),
                 gone.begin() + static_cast<std::ptrdiff_t>(end), true);
@@ -134,8 +134,7 @@ void require_a_place(const slam::SlamResult& result, const std::string& update, 
                                      [&](const PosedScan& scan) { return scan.run >= first_run; });
   if (is_placed || result.unplaced_runs.empty()) return;
   throw InputError(update, "has no place that fits the new logs: nothing was learned",
-                   "are they of that building? give --poses, learn them into maps of their own, or "
-                   "give --force to write what was known before");
+                   "are they of that building? give --poses, or learn them into maps of their own");
 }
 
 }  // namespace strata::tools

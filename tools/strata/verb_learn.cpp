@@ -45,6 +45,7 @@ struct LearnOptions {
   std::string zones;
   std::string only_in;
   bool anew = false;
+  bool again = false;
   std::vector<std::string> only;
   bool pictures = false;
 };
@@ -187,7 +188,9 @@ void run_learn(const LearnOptions& options, VerbContext& context) {
     require_no_lost_runs(options.out, options.update, *earlier, runs.observations);
   }
   std::vector<std::string> logs = options.input.logs;
-  if (guards) logs = leave_out_repeated(runs, logs, first_run, *earlier, context);
+  if (earlier && !options.again) {
+    logs = leave_out_repeated(runs, logs, first_run, *earlier, context);
+  }
   if (logs.empty() && updates_in_place(options)) {
     context.note("nothing new: " + options.out + " stays as it is");
     return;
@@ -195,7 +198,7 @@ void run_learn(const LearnOptions& options, VerbContext& context) {
   const pipeline::LearnResult result = pipeline::learn_within(
       limits, runs.observations, runs.poses, config, parts, context.options.seed,
       context.options.threads, context.progress(), earlier ? &*earlier : nullptr);
-  if (guards) require_a_place(result.slam, options.update, first_run);
+  if (earlier) require_a_place(result.slam, options.update, first_run);
   for (const std::string& warning : result.slam.warnings) context.note("warning: " + warning);
   nlohmann::json said = maps::summarize_reading(runs.reports);
   said["warnings"] = result.slam.warnings;
@@ -244,6 +247,9 @@ void add_learn(CLI::App& app, VerbContext& context) {
   verb->add_option("--zones", options->zones,
                    "site, or GeoJSON file, whose zones of kind learn say where nothing is learned "
                    "(what was known stays), or nothing that changes");
+  verb->add_flag("--again", options->again,
+                 "count a log once more that was learned already; else it is left out")
+      ->needs("--update");
   CLI::Option* only_in =
       verb->add_option("--only-in", options->only_in,
                        "GeoJSON file of polygons in metres: the maps stay as they are elsewhere")

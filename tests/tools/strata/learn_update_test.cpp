@@ -88,6 +88,10 @@ TEST_F(LearnUpdate, LeavesOutALogThatWasLearnedAlready) {
 
   const Outcome forced = learn(day(2) + " --update " + maps() + " --out " + maps() + " --force");
   EXPECT_EQ(forced.code, 0) << forced.out;
+  EXPECT_EQ(store().runs.size(), 2U) << "nightly recipes replace what is there by --force";
+
+  const Outcome again = learn(day(2) + " --update " + maps() + " --out " + maps() + " --again");
+  EXPECT_EQ(again.code, 0) << again.out;
   EXPECT_EQ(store().runs.size(), 3U);
 }
 
