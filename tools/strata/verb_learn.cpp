@@ -200,12 +200,8 @@ void run_learn(const LearnOptions& options, VerbContext& context) {
       context.options.threads, context.progress(), earlier ? &*earlier : nullptr);
   if (earlier) require_a_place(result.slam, options.update, first_run);
   for (const std::string& warning : result.slam.warnings) context.note("warning: " + warning);
-  nlohmann::json said = maps::summarize_reading(runs.reports);
-  said["warnings"] = result.slam.warnings;
-  said["unplaced"] = nlohmann::json::array();
   for (const int run : result.slam.unplaced_runs) {
     const std::string& log = options.input.logs[static_cast<std::size_t>(run - first_run)];
-    said["unplaced"].push_back(log);
     warn(context, "run " + std::to_string(run) + " could not be placed in the map of the first: " +
                       log + " was left out; give --poses");
   }
@@ -220,11 +216,11 @@ void run_learn(const LearnOptions& options, VerbContext& context) {
       pipeline::write_learn_pictures(maps / "pictures", result.slam, config.slam.beam_filter);
     });
   };
-  const nlohmann::json summary =
-      write_learned(out, result, parts,
-                    {joined(logs), frame, &meter,
-                     earlier ? earlier->thinned : std::vector<maps::ThinnedRun>(), said},
-                    context, draw_more);
+  const nlohmann::json summary = write_learned(
+      out, result, parts,
+      {joined(logs), frame, &meter, earlier ? earlier->thinned : std::vector<maps::ThinnedRun>(),
+       maps::summarize_reading(runs.reports)},
+      context, draw_more);
   if (context.options.quiet) return;
   show_map(result.slam.filtered, ways_of(result.slam), context);
   context.clear_progress();

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // `strata learn --update` loses nothing that was learned, and counts nothing twice.
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "memory/store/store_summary.hpp"
 #include "tests/support/test_data.hpp"
@@ -46,10 +44,6 @@ class LearnUpdate : public testing::Test {
   }
   [[nodiscard]] memory::StoreSummary store() const {
     return memory::summarize_store(folder.path() / "maps" / "strata.db");
-  }
-  [[nodiscard]] nlohmann::json summary() const {
-    std::ifstream in(folder.path() / "maps" / "summary.json");
-    return nlohmann::json::parse(in);
   }
 
   static inline test::TemporaryDirectory* days = nullptr;
@@ -112,9 +106,7 @@ TEST_F(LearnUpdate, SaysWhichLogHasNoPlaceAndFailsWhereNoneHas) {
   const Outcome some = learn(room + " " + day(2) + " --update " + maps() + " --out " + maps());
   EXPECT_EQ(some.code, 0) << some.out;
   EXPECT_EQ(store().runs.size(), 2U);
-  const nlohmann::json said = summary();
-  ASSERT_EQ(said["unplaced"].size(), 1U);
-  EXPECT_THAT(said["unplaced"][0].get<std::string>(), HasSubstr("day_1/log.clf"));
+  EXPECT_THAT(some.out, HasSubstr("day_1/log.clf was left out"));
 }
 
 }  // namespace
