@@ -2,8 +2,9 @@
 /// Nodes that are not in memory: how they are evicted and loaded, and how a snapshot is decoded in
 /// spite of them.
 #include <algorithm>
-#include <array>
-#include <cstdio>
+#include <iomanip>
+#include <sstream>
+#include <string>
 
 #include "memory/decoding/decode.hpp"
 #include "memory/nodes/timescale_memory.hpp"
@@ -12,10 +13,10 @@ namespace strata::memory {
 namespace {
 
 std::string place_of(const MemoryNode& node, std::size_t index) {
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "node %zu at (%.1f, %.1f) m", index, node.position_m.x(),
-                node.position_m.y());
-  return text.data();
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << "node " << index << " at (" << node.position_m.x()
+       << ", " << node.position_m.y() << ") m";
+  return text.str();
 }
 
 }  // namespace
