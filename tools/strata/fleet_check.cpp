@@ -11,6 +11,7 @@
 #include "components/maps/maps_folder.hpp"
 #include "core/base/error.hpp"
 #include "tools/report/plot.hpp"
+#include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
@@ -145,9 +146,8 @@ FleetCheck check_visits(fleet::Connection& connection, const std::string& site,
   const auto wrong = wrong_robots(connection, site, reasons);
   for (const auto& [robot, why] : wrong) {
     fleet::set_aside(connection, site, robot, "by learn: " + why);
-    context.note("warning: " + robot + " is set aside: " + why +
-                 "; look at it, then `strata fleet set-aside " + robot +
-                 " --undo` and learn with --unchecked, if it is right");
+    warn(context, robot + " is set aside: " + why + "; look at it, then `strata fleet set-aside " +
+                      robot + " --undo` and learn with --unchecked, if it is right");
     std::erase_if(visits, [&](const auto& visit) { return visit.name.robot == robot; });
     for (json& found : check.checked) {
       if (found["robot"] == robot) found["set_aside"] = why;
@@ -156,7 +156,7 @@ FleetCheck check_visits(fleet::Connection& connection, const std::string& site,
   for (const auto& [name, why] : reasons) {
     check.left_out.push_back({{"visit", name}, {"why", why}});
     if (wrong.contains(name.substr(0, name.find(':')))) continue;
-    context.note("warning: visit " + name + " is left out: " + why);
+    warn(context, "visit " + name + " is left out: " + why);
   }
   return check;
 }

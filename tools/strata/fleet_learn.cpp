@@ -17,6 +17,7 @@
 #include "tools/strata/learned_folder.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
+#include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
@@ -29,8 +30,8 @@ std::vector<fleet::LearnedVisit> readable_visits(fleet::Connection& connection,
                                                  nlohmann::json& left_out, VerbContext& context) {
   const auto faulty = [&](const fleet::VisitName& visit, const InputError& error) {
     left_out.push_back({{"visit", name_of(visit)}, {"why", error.problem()}});
-    context.note("warning: visit " + name_of(visit) + " is left out: it " + error.problem() + "; " +
-                 error.remedy());
+    warn(context,
+         "visit " + name_of(visit) + " is left out: it " + error.problem() + "; " + error.remedy());
   };
   return fleet::visits_to_learn(connection, site.decisions().id, known, &site, faulty);
 }

@@ -45,11 +45,11 @@ class FleetNight : public test::FleetFixture {
     learn_day(2, " --update " + quoted(at("site") / "active"), "drive");
   }
   void learn_day(int day, const std::string& more, const std::string& out) const {
-    ASSERT_EQ(test::run_strata("learn --quiet --only em " +
-                               quoted(at("days/day_" + std::to_string(day) + "/log.clf")) + more +
-                               " --out " + quoted(at(out)))
-                  .code,
-              0);
+    ASSERT_EQ(
+        test::run_strata("learn " + quoted(at("days/day_" + std::to_string(day) + "/log.clf")) +
+                         " --quiet --only em" + more + " --out " + quoted(at(out)))
+            .code,
+        0);
   }
   using Change = std::function<void(PosedScan&, std::size_t)>;
   static void leave(PosedScan&, std::size_t) {}
