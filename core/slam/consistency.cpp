@@ -197,7 +197,8 @@ std::vector<int> runs_against_others(std::vector<ComparedStretches> pairs) {
     };
     const auto worst =
         std::max_element(of_run.begin(), of_run.end(), [&](const auto& a, const auto& b) {
-          return share(a.second) <= share(b.second);  // of two alike the later run
+          // Of two alike the later run.
+          return std::pair(share(a.second), a.first) < std::pair(share(b.second), b.first);
         });
     if (worst == of_run.end() || worst->second.first < kMinContradictingOfRun ||
         share(worst->second) < kMinContradictingShareOfRun) {
