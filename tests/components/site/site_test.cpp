@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
-#include "tests/components/site/small_maps.hpp"
+#include "tests/components/site/site_fixture.hpp"
 #include "tests/support/full_disk.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -19,39 +19,9 @@ namespace fs = std::filesystem;
 namespace strata::site {
 namespace {
 
+using test::SiteTest;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-class SiteTest : public testing::Test {
- protected:
-  [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
-  Site make() const { return Site::create(at("hall"), "hall-3", "map", test::kAda); }
-  /// Adds maps that differ by `mark`; their hash.
-  std::string add(Site& site, const std::string& mark) const {
-    test::write_small_maps(at("maps-" + mark), mark);
-    return site.add(at("maps-" + mark), test::kAda, mark).status.version.hash;
-  }
-  std::string activated(Site& site, const std::string& mark) const {
-    const std::string hash = add(site, mark);
-    site.approve(hash, test::kAda, "seen");
-    (void)site.activate(hash, test::kAda);
-    return hash;
-  }
-  [[nodiscard]] static std::vector<std::string> states(const Site& site) {
-    std::vector<std::string> all;
-    for (const VersionStatus& status : site.versions()) all.emplace_back(name_of(status.state));
-    return all;
-  }
-  [[nodiscard]] static std::string error_of(const std::function<void()>& body) {
-    try {
-      body();
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
-  }
-  test::TemporaryDirectory folder_;
-};
 
 TEST_F(SiteTest, NamesVersionsByTheirContentAndKeepsWhatTheyAreMadeOf) {
   Site site = make();
@@ -273,41 +243,6 @@ TEST_F(SiteTest, LosesNothingWhereADiskIsFull) {
   }
   EXPECT_EQ(entries, 2U);
   EXPECT_NO_THROW((void)site.activate(b, test::kAda));
-}
-
-TEST_F(SiteTest, RemovesWhatIsOldAndNothingThatIsNeeded) {
-  Site site = make();
-  const std::string first = activated(site, "first");
-  const std::string a = activated(site, "a");
-  const std::string b = activated(site, "b");
-  const std::string passed_over = add(site, "c");
-  const std::string d = activated(site, "d");
-  const std::string approved = add(site, "e");
-  site.approve(approved, test::kAda, "seen");
-  const std::string fresh = add(site, "f");
-  EXPECT_EQ(site.remove_rubbish({.keep_retired = 1, .dry_run = true}, test::kAda).size(), 2U);
-  EXPECT_EQ(site.versions().size(), 7U);
-  std::vector<std::string> gone;
-  for (const auto& status : site.remove_rubbish({.keep_retired = 1}, test::kAda)) {
-    gone.push_back(status.version.hash);
-  }
-  EXPECT_THAT(gone, ElementsAre(a, passed_over));
-  EXPECT_EQ(site.versions().front().version.hash, first) << "its frame is the site's";
-  EXPECT_THAT(states(site), ElementsAre("retired", "retired", "active", "approved", "candidate"));
-  EXPECT_EQ(site.rollback(test::kAda).to, b);
-  fs::resize_file(site.maps_of(fresh) / "strata.db", 1);
-  ASSERT_EQ(site.remove_rubbish({.damaged = true}, test::kAda).size(), 1U);
-  EXPECT_EQ(site.active(), b);
-  EXPECT_EQ(site.find(d).state, VersionState::kRetired);
-}
-
-TEST_F(SiteTest, KeepsADiaryOfWhoDidWhat) {
-  Site site = make();
-  (void)activated(site, "a");
-  std::vector<std::string> all;
-  for (const Event& event : site.decisions().diary)
-    all.push_back(event.what + " " + event.actor.by);
-  EXPECT_THAT(all, ElementsAre("init ada", "add ada", "approve ada", "activate ada"));
 }
 
 }  // namespace
