@@ -16,8 +16,8 @@
 
 namespace strata::tools {
 
-/// Throws OutputError when maps in `out` have a patch map or a timescale memory that learning on in
-/// place would not write again. A memory cannot be made anew: most of what it saw is kept nowhere
+/// Throws OutputError when maps in `out` have a patch map or a timescale memory that those parts
+/// would not write again. A memory cannot be made anew: most of what it saw is kept nowhere
 /// else.
 void require_no_lost_parts(const std::string& out, const pipeline::LearnParts& parts);
 
@@ -38,15 +38,17 @@ struct RunScan {
 [[nodiscard]] std::optional<int> repeated_run(std::span<const RunScan> earlier,
                                               std::span<const Observation> run);
 
-/// Takes out runs that `earlier`, or a log before them, holds already, with a note for each: they
-/// would count twice. The names of the logs that stay.
+/// Takes out runs that `earlier`, or a log before them, holds already, with a warning for each:
+/// they would count twice. first_run: of the first log, as in read_runs. The names of the logs that
+/// stay. O(scans log scans).
 [[nodiscard]] std::vector<std::string> leave_out_repeated(pipeline::Runs& runs,
                                                           const std::vector<std::string>& logs,
                                                           int first_run,
                                                           const maps::EarlierRuns& earlier,
                                                           VerbContext& context);
 
-/// Throws InputError when no new run has a place in the map: nothing was learned from any.
+/// Throws InputError, which names `update`, when no run from first_run on has a place in the map:
+/// nothing was learned from any.
 void require_a_place(const slam::SlamResult& result, const std::string& update, int first_run);
 
 }  // namespace strata::tools
